@@ -1,0 +1,105 @@
+"""kirigami: the mechanics of cut sheets by bars and hinges.
+
+Public names load on first use, so that a scene imports only what it contains.
+"""
+
+from __future__ import annotations
+
+import importlib
+from typing import TYPE_CHECKING, Any
+
+__version__ = "0.1.0"
+
+_HOME = {
+    "Material": "model",
+    "Node": "model",
+    "Model": "model",
+    "Bar": "elements.bar",
+    "BendHinge": "elements.bend_hinge",
+    "TorsionSpring3": "elements.torsion_spring",
+    "Fix": "constraints",
+    "Prescribe": "constraints",
+    "Tie": "constraints",
+    "NodalLoad": "loads",
+    "Calibration": "stiffness",
+    "System": "system",
+    "Kernel": "kernel",
+    "Contribution": "kernel",
+    "check_kernel": "kernel",
+    "Sheet": "geometry.sheet",
+    "TriMesh": "geometry.mesh",
+    "LinearStatic": "analysis.linear",
+    "Eigen": "analysis.eigen",
+    "Mode": "analysis.eigen",
+    "LoadControl": "analysis.path",
+    "DisplacementControl": "analysis.path",
+    "ArcLength": "analysis.path",
+    "Results": "results",
+    "Step": "results",
+    "Event": "results",
+    "load": "results",
+    "KirigamiError": "errors",
+    "GeometryError": "errors",
+    "ModelError": "errors",
+    "MechanismError": "errors",
+    "AnalysisError": "errors",
+    "ConvergenceError": "errors",
+    "KirigamiWarning": "errors",
+}
+_MODULES = {"cuts": "geometry.cuts", "stiffness": "stiffness", "plot": "plot"}
+
+__all__ = ["__version__", *_HOME, *_MODULES]
+
+if TYPE_CHECKING:
+    from kirigami import plot as plot
+    from kirigami import stiffness as stiffness
+    from kirigami.analysis.eigen import Eigen as Eigen
+    from kirigami.analysis.eigen import Mode as Mode
+    from kirigami.analysis.linear import LinearStatic as LinearStatic
+    from kirigami.analysis.path import ArcLength as ArcLength
+    from kirigami.analysis.path import DisplacementControl as DisplacementControl
+    from kirigami.analysis.path import LoadControl as LoadControl
+    from kirigami.constraints import Fix as Fix
+    from kirigami.constraints import Prescribe as Prescribe
+    from kirigami.constraints import Tie as Tie
+    from kirigami.elements.bar import Bar as Bar
+    from kirigami.elements.bend_hinge import BendHinge as BendHinge
+    from kirigami.elements.torsion_spring import TorsionSpring3 as TorsionSpring3
+    from kirigami.errors import AnalysisError as AnalysisError
+    from kirigami.errors import ConvergenceError as ConvergenceError
+    from kirigami.errors import GeometryError as GeometryError
+    from kirigami.errors import KirigamiError as KirigamiError
+    from kirigami.errors import KirigamiWarning as KirigamiWarning
+    from kirigami.errors import MechanismError as MechanismError
+    from kirigami.errors import ModelError as ModelError
+    from kirigami.geometry import cuts as cuts
+    from kirigami.geometry.mesh import TriMesh as TriMesh
+    from kirigami.geometry.sheet import Sheet as Sheet
+    from kirigami.kernel import Contribution as Contribution
+    from kirigami.kernel import Kernel as Kernel
+    from kirigami.kernel import check_kernel as check_kernel
+    from kirigami.loads import NodalLoad as NodalLoad
+    from kirigami.model import Material as Material
+    from kirigami.model import Model as Model
+    from kirigami.model import Node as Node
+    from kirigami.results import Event as Event
+    from kirigami.results import Results as Results
+    from kirigami.results import Step as Step
+    from kirigami.results import load as load
+    from kirigami.stiffness import Calibration as Calibration
+    from kirigami.system import System as System
+
+
+def __getattr__(name: str) -> Any:
+    if name in _HOME:
+        value = getattr(importlib.import_module(f"kirigami.{_HOME[name]}"), name)
+    elif name in _MODULES:
+        value = importlib.import_module(f"kirigami.{_MODULES[name]}")
+    else:
+        raise AttributeError(f"module 'kirigami' has no attribute {name!r}")
+    globals()[name] = value
+    return value
+
+
+def __dir__() -> list[str]:
+    return sorted(__all__)

@@ -1,0 +1,1 @@
+"""Analyses: they drive an assembled system and know no element."""

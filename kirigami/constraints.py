@@ -1,0 +1,222 @@
+"""Constraints: displacements that are known (Fix, Prescribe) or shared (Tie). They are eliminated, never penalised."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from kirigami.errors import ModelError
+from kirigami.kernel import Array, Kernel
+from kirigami.model import ModelObject, Node, Numbering
+
+AXES = "xyz"
+
+
+def listed(nodes: Node | Iterable[Node], owner: str) -> tuple[Node, ...]:
+    """One node or many as a tuple, never empty."""
+    group = (nodes,) if isinstance(nodes, Node) else tuple(nodes)
+    if not group:
+        raise ModelError(f"{owner}: the node selection is empty")
+    for node in group:
+        if not isinstance(node, Node):
+            raise ModelError(f"{owner}: expected nodes, got {node!r}; select nodes with Model.select")
+    return group
+
+
+def axes_of(dofs: str, owner: str) -> str:
+    if not isinstance(dofs, str) or not dofs or set(dofs) - set(AXES) or len(set(dofs)) != len(dofs):
+        raise ModelError(f"{owner}: dofs must be letters out of 'xyz', each once, got {dofs!r}")
+    return dofs
+
+
+def values_for(value: ArrayLike, count: int, owner: str) -> Array:
+    """A scalar or one value per node as an array (count,)."""
+    array = np.asarray(value, dtype=float)
+    if array.shape not in ((), (count,)) or not np.isfinite(array).all():
+        raise ModelError(f"{owner}: give one finite number, or one for each of the {count} nodes, got {value!r}")
+    return np.broadcast_to(array, (count,)).copy()
+
+
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
+class Constraint(ModelObject):
+    """Base of all constraints: a group of nodes and what is known of their displacement.
+
+    ``values`` maps an axis letter to one value per node; ``leaders`` names the node each follows, if any.
+    """
+
+    kind: ClassVar[str] = "constraint"
+    group: tuple[Node, ...]
+    values: dict[str, Array]
+    constant: bool = False
+    clamp: bool = False
+    leaders: tuple[Node, ...] = ()
+
+    @property
+    def nodes(self) -> tuple[Node, ...]:
+        return self.group + self.leaders
+
+    @classmethod
+    def lower(cls, objects: Sequence[Any], numbering: Numbering) -> list[Kernel]:
+        """Only clamped edges make force."""
+        clamped = [item for item in objects if item.clamp]
+        if not clamped or numbering.dim == 2:
+            return []
+        from kirigami.stiffness import clamp_kernels
+
+        return clamp_kernels([item.group for item in clamped], numbering)
+
+    def __repr__(self) -> str:
+        return f"{type(self).__name__}({len(self.group)} nodes, {''.join(self.values)})"
+
+
+class Fix(Constraint):
+    """Holds displacements at zero.
+
+    Parameters
+    ----------
+    nodes : Node or sequence of Node
+        The nodes to hold.
+    dofs : str
+        Axes to hold, letters out of "xyz".
+    clamp : bool
+        Boundary edges with both nodes in the set keep their slope as well (models made from a mesh).
+
+    Raises
+    ------
+    ModelError
+        Empty selection or unknown axis.
+
+    Examples
+    --------
+    >>> import kirigami as kg
+    >>> kg.Fix([kg.Node(0, 0), kg.Node(1, 0)], "xz")
+    Fix(2 nodes, xz)
+    """
+
+    __slots__ = ()
+
+    def __init__(self, nodes: Node | Iterable[Node], dofs: str = "xyz", clamp: bool = False) -> None:
+        group = listed(nodes, "Fix")
+        values = {axis: np.zeros(len(group)) for axis in axes_of(dofs, "Fix")}
+        super().__init__(group, values, constant=True, clamp=clamp)
+
+
+class Prescribe(Constraint):
+    """Drives displacements from the rest state with the load factor.
+
+    Parameters
+    ----------
+    nodes : Node or sequence of Node
+        The nodes to drive.
+    x, y, z : float or array_like, shape (number of nodes,), optional
+        Displacement at load factor 1 [length]; None leaves the axis free.
+    clamp : bool
+        As for :class:`Fix`.
+    constant : bool
+        Holds the values at full size whatever the load factor, as after an earlier stage.
+
+    Raises
+    ------
+    ModelError
+        Empty selection, no axis, or values that are not finite.
+
+    Examples
+    --------
+    >>> import kirigami as kg
+    >>> kg.Prescribe(kg.Node(0, 1), y=0.4)
+    Prescribe(1 nodes, y)
+    """
+
+    __slots__ = ()
+
+    def __init__(
+        self,
+        nodes: Node | Iterable[Node],
+        x: ArrayLike | None = None,
+        y: ArrayLike | None = None,
+        z: ArrayLike | None = None,
+        clamp: bool = False,
+        constant: bool = False,
+    ) -> None:
+        group = listed(nodes, "Prescribe")
+        given = {axis: value for axis, value in zip(AXES, (x, y, z)) if value is not None}
+        if not given:
+            raise ModelError("Prescribe: give a displacement for at least one of x, y, z")
+        values = {axis: values_for(value, len(group), f"Prescribe {axis}") for axis, value in given.items()}
+        super().__init__(group, values, constant=constant, clamp=clamp)
+
+    def held(self, lam: float) -> Prescribe:
+        """The same, constant at load factor `lam`."""
+        if self.constant:
+            return self
+        scaled = {axis: lam * value for axis, value in self.values.items()}
+        return Prescribe(self.group, **scaled, clamp=self.clamp, constant=True)
+
+
+class Tie(Constraint):
+    """Makes nodes move like others, up to a given difference.
+
+    For each pair and axis: displacement of the follower = displacement of its leader + difference. One leader for
+    many followers is a rigid translating grip; one leader each with differences from a mean strain is a periodic cell.
+
+    Parameters
+    ----------
+    followers : Node or sequence of Node
+        The nodes that follow.
+    leaders : Node or sequence of Node
+        One leader for all, or one for each follower.
+    dofs : str
+        Tied axes, letters out of "xyz".
+    x, y, z : float or array_like, optional
+        Difference at load factor 1 [length]; None is zero.
+    constant : bool
+        Holds the differences at full size whatever the load factor.
+
+    Raises
+    ------
+    ModelError
+        Numbers of nodes that do not match, a node tied to itself, a difference along an axis that is not tied.
+
+    Examples
+    --------
+    >>> import kirigami as kg
+    >>> kg.Tie([kg.Node(1, 0), kg.Node(1, 1)], kg.Node(2, 0), "x")
+    Tie(2 nodes, x)
+    """
+
+    __slots__ = ()
+
+    def __init__(
+        self,
+        followers: Node | Iterable[Node],
+        leaders: Node | Iterable[Node],
+        dofs: str = "xyz",
+        x: ArrayLike | None = None,
+        y: ArrayLike | None = None,
+        z: ArrayLike | None = None,
+        constant: bool = False,
+    ) -> None:
+        group, ahead = listed(followers, "Tie"), listed(leaders, "Tie")
+        if len(ahead) == 1:
+            ahead = ahead * len(group)
+        if len(ahead) != len(group):
+            raise ModelError(f"Tie: {len(group)} followers need one leader or as many, got {len(ahead)} leaders")
+        for follower, leader in zip(group, ahead):
+            if follower is leader:
+                raise ModelError(f"Tie: {follower!r} cannot follow itself")
+        given = {axis: value for axis, value in zip(AXES, (x, y, z)) if value is not None}
+        for axis in set(given) - set(axes_of(dofs, "Tie")):
+            raise ModelError(f"Tie: a difference is given along {axis}, which is not among the tied dofs {dofs!r}")
+        values = {axis: values_for(given.get(axis, 0.0), len(group), f"Tie {axis}") for axis in dofs}
+        super().__init__(group, values, constant=constant, leaders=ahead)
+
+    def held(self, lam: float) -> Tie:
+        """The same, constant at load factor `lam`."""
+        if self.constant:
+            return self
+        scaled = {axis: lam * value for axis, value in self.values.items()}
+        return Tie(self.group, self.leaders, "".join(self.values), **scaled, constant=True)

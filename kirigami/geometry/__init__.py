@@ -1,0 +1,1 @@
+"""From a cut drawing to a verified triangle mesh."""

@@ -1,0 +1,466 @@
+"""Triangle meshes of sheets: checked, immutable arrays and the topology that bars, hinges and post-processing need.
+
+Only numpy is needed here (scipy's graph routines are imported where a mesh has several boundary loops), so that meshes
+made elsewhere can be used without the meshing libraries.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from kirigami.errors import GeometryError
+
+if TYPE_CHECKING:
+    from kirigami.model import Material
+
+Integers = NDArray[np.int64]
+Floats = NDArray[np.float64]
+
+SIDES = {"left": (0, 0), "right": (0, 1), "bottom": (1, 0), "top": (1, 1)}  # axis, and 0 for its lower end
+SIDE_TOLERANCE = 1e-9  # of the size of the mesh
+DEGENERATE = 1e-10  # a facet with less area than this times its longest edge squared has no usable normal
+
+
+@dataclass(frozen=True, eq=False)
+class CutLoop:
+    """The boundary of one cut as nodes of the mesh.
+
+    Attributes
+    ----------
+    loop : ndarray of int, shape (k,)
+        Nodes along the lips, counter-clockwise round the opening, so that the shoelace formula gives its area with a
+        positive sign; the first node is not repeated. An open cut runs from mouth to mouth and is closed by the chord.
+    members : tuple of int
+        Numbers of the drawn cuts that form this one; more than one where cuts cross or touch.
+    open : bool
+        Whether the cut reaches the outline (or a hole of it).
+    """
+
+    loop: Integers
+    members: tuple[int, ...]
+    open: bool = False
+
+
+class TriMesh:
+    """A triangle mesh of a sheet, checked once and never changed afterwards.
+
+    Parameters
+    ----------
+    nodes : array_like, shape (n, 2) or (n, 3)
+        Coordinates in the unit of length of the model; ``z`` is zero when it is left out.
+    triangles : array_like of int, shape (m, 3)
+        Node indices of each facet, in any order: they are turned counter-clockwise, seen from +z.
+    sets : mapping of str to array_like of int, optional
+        Named sets of nodes.
+    thickness : float, optional
+        Thickness of the sheet, passed on to the model.
+    material : Material, optional
+        Material of the sheet, passed on to the model.
+    cuts : sequence of CutLoop, optional
+        The cuts. Without it every boundary loop other than the outer one is a cut, from bottom to top and left to right.
+
+    Raises
+    ------
+    GeometryError
+        If a coordinate is not finite, an index is out of range, a facet is degenerate or given twice, an edge has more
+        than two facets, facets overlap along an edge, a node is unused, or the surface has only one side.
+
+    Notes
+    -----
+    For one connected sheet, edges - facets - nodes = holes - 1, where holes counts the closed boundaries inside it.
+
+    Examples
+    --------
+    >>> mesh = TriMesh([(0, 0), (1, 0), (1, 1), (0, 1)], [(0, 1, 2), (0, 2, 3)])
+    >>> mesh
+    TriMesh(4 nodes, 2 facets, size 1 x 1, smallest angle 45 deg, 0 cuts, 0 holes)
+    >>> mesh.edges.tolist()
+    [[0, 1], [0, 2], [3, 0], [1, 2], [2, 3]]
+    >>> mesh.boundary("left").tolist()
+    [0, 3]
+    """
+
+    def __init__(
+        self,
+        nodes: ArrayLike,
+        triangles: ArrayLike,
+        sets: Mapping[str, ArrayLike] | None = None,
+        *,
+        thickness: float | None = None,
+        material: Material | None = None,
+        cuts: Sequence[CutLoop] | None = None,
+    ) -> None:
+        self.nodes: Floats = _read_only(_checked_nodes(nodes))
+        self.triangles: Integers = _read_only(_oriented(self.nodes, _checked_triangles(self.nodes, triangles)))
+        self.sets: dict[str, Integers] = {name: self._node_set(name, which) for name, which in (sets or {}).items()}
+        self.thickness = thickness
+        self.material = material
+        self._given_cuts = None if cuts is None else list(cuts)
+
+    # --- edges -----------------------------------------------------------------------------------------------------
+
+    @cached_property
+    def _half_edges(self) -> tuple[Integers, Integers]:
+        """First and second half-edge of every edge; half-edge 3 f + c runs from corner c of facet f to the next."""
+        return _paired_half_edges(self.triangles)
+
+    @cached_property
+    def edges(self) -> Integers:
+        """Edges, shape (e, 2): edge (j, k) runs counter-clockwise round its first facet, with j < k if it has two."""
+        return _read_only(self._end_nodes(self._half_edges[0]))
+
+    @cached_property
+    def edge_facets(self) -> Integers:
+        """Facets at the left and at the right of each edge, shape (e, 2); -1 where the sheet ends."""
+        first, second = self._half_edges
+        return _read_only(np.column_stack([first // 3, np.where(second < 0, -1, second // 3)]))
+
+    @cached_property
+    def edge_wings(self) -> Integers:
+        """Nodes opposite to each edge in its first and second facet, shape (e, 2); -1 where the sheet ends."""
+        first, second = self._half_edges
+        wings = [np.where(half < 0, -1, self.triangles[half // 3, (half + 2) % 3]) for half in (first, second)]
+        return _read_only(np.column_stack(wings))
+
+    @cached_property
+    def boundary_edges(self) -> Integers:
+        """Indices of the edges with one facet."""
+        return _read_only(np.flatnonzero(self._half_edges[1] < 0))
+
+    @cached_property
+    def edge_lengths(self) -> Floats:
+        """Length of each edge, shape (e,)."""
+        return _read_only(np.linalg.norm(self.nodes[self.edges[:, 1]] - self.nodes[self.edges[:, 0]], axis=1))
+
+    def _end_nodes(self, half_edges: Integers) -> Integers:
+        facet, corner = half_edges // 3, half_edges % 3
+        return np.column_stack([self.triangles[facet, corner], self.triangles[facet, (corner + 1) % 3]])
+
+    # --- facets ----------------------------------------------------------------------------------------------------
+
+    @cached_property
+    def facet_areas(self) -> Floats:
+        """Area of each facet, shape (m,)."""
+        return _read_only(np.linalg.norm(_area_vectors(self.nodes, self.triangles), axis=1))
+
+    @cached_property
+    def min_angle(self) -> float:
+        """Smallest angle of any facet, in degrees."""
+        sides = _sides(self.nodes, self.triangles)
+        cosines = -np.einsum("mcx,mcx->mc", sides, np.roll(sides, 1, axis=1))  # the sides that meet at corner c
+        return float(np.degrees(np.arctan2(2.0 * self.facet_areas[:, None], cosines).min()))
+
+    @cached_property
+    def facet_parts(self) -> Integers:
+        """Number of the connected part each facet belongs to, shape (m,); parts hang together across edges."""
+        from scipy.sparse import coo_array
+        from scipy.sparse.csgraph import connected_components
+
+        left, right = self.edge_facets[self.edge_facets[:, 1] >= 0].T
+        count = len(self.triangles)
+        graph = coo_array((np.ones(len(left), np.int8), (left, right)), shape=(count, count))
+        return _read_only(connected_components(graph, directed=False)[1].astype(np.int64))
+
+    # --- boundary --------------------------------------------------------------------------------------------------
+
+    @cached_property
+    def _boundary_walks(self) -> list[Integers]:
+        """Closed walks of boundary half-edges with the sheet at the left; the outer one of each part comes first."""
+        first, second = self._half_edges
+        twin = np.full(3 * len(self.triangles), -1)
+        inner = second >= 0
+        twin[first[inner]], twin[second[inner]] = second[inner], first[inner]
+        follow = np.arange(len(twin)).reshape(-1, 3)[:, [1, 2, 0]].ravel()
+        # The next boundary half-edge is found by turning about the node through its fan of facets. Where two loops
+        # touch in a node, a search through the graph of boundary edges could not tell them apart; the fan can.
+        boundary = np.flatnonzero(twin < 0)
+        after = follow[boundary]
+        while (turning := twin[after] >= 0).any():
+            after[turning] = follow[twin[after[turning]]]
+        successor = dict(zip(boundary.tolist(), after.tolist(), strict=True))
+        walks = []
+        while successor:
+            start, half = next(iter(successor.items()))
+            walk = [start]
+            del successor[start]
+            while half != start:
+                walk.append(half)
+                half = successor.pop(half)
+            walks.append(np.array(walk))
+        return self._outer_first(walks)
+
+    def _outer_first(self, walks: list[Integers]) -> list[Integers]:
+        if len(walks) < 2:
+            return walks
+        extent = [np.linalg.norm(np.ptp(self.nodes[self._end_nodes(walk)[:, 0]], axis=0)) for walk in walks]
+        part = [int(self.facet_parts[walk[0] // 3]) for walk in walks]
+        outer: dict[int, int] = {}  # part -> its walk with the largest extent
+        for number in range(len(walks)):
+            if part[number] not in outer or extent[number] > extent[outer[part[number]]]:
+                outer[part[number]] = number
+        outers = sorted(outer.values(), key=lambda number: -extent[number])
+        inners = sorted(set(range(len(walks))) - set(outers), key=lambda number: self._reading_order(walks[number]))
+        return [walks[number] for number in outers + inners]
+
+    def _reading_order(self, walk: Integers) -> tuple[float, ...]:
+        centroid = self.nodes[self._end_nodes(walk)[:, 0]].mean(axis=0)
+        return tuple(np.round(centroid / self.size, 6)[[1, 0, 2]].tolist())  # rows first, rounding errors set aside
+
+    @cached_property
+    def boundary_loops(self) -> list[Integers]:
+        """Closed loops of boundary nodes with the sheet at the left, not repeating the first node; outer loop first."""
+        return [_read_only(self._end_nodes(walk)[:, 0]) for walk in self._boundary_walks]
+
+    @cached_property
+    def cuts(self) -> list[CutLoop]:
+        """The cuts in the order in which they were drawn; cuts that cross or touch are one record."""
+        if self._given_cuts is not None:
+            return self._given_cuts
+        inner = self.boundary_loops[self._outer_loop_count :]
+        return [CutLoop(_read_only(loop[::-1].copy()), (number,)) for number, loop in enumerate(inner)]
+
+    @property
+    def _outer_loop_count(self) -> int:
+        return len(self.boundary_loops) if len(self.boundary_loops) < 2 else int(self.facet_parts.max()) + 1
+
+    @property
+    def size(self) -> float:
+        """Largest side of the bounding box."""
+        return float(np.ptp(self.nodes, axis=0).max())
+
+    @property
+    def bounds(self) -> tuple[float, float, float, float]:
+        """Bounding box in the plane: xmin, ymin, xmax, ymax."""
+        low, high = self.nodes[:, :2].min(axis=0), self.nodes[:, :2].max(axis=0)
+        return float(low[0]), float(low[1]), float(high[0]), float(high[1])
+
+    def boundary(self, name: str) -> Integers:
+        """Nodes of a named piece of the boundary, or of a named set, in ascending order.
+
+        Parameters
+        ----------
+        name : str
+            ``"bottom"``, ``"top"``, ``"left"`` or ``"right"`` for the nodes of the outline on that side of the bounding
+            box (to 1e-9 of the size); ``"outer"`` for the outline without holes and lips of cuts; ``"free"`` for all
+            boundary nodes; ``"cut:3"`` for the cut that contains drawn cut 3; or the name of a set.
+
+        Raises
+        ------
+        GeometryError
+            If there is no such name; the message lists the names there are.
+        """
+        if name in self.sets:
+            return self.sets[name]
+        if name == "free":
+            return np.unique(self.edges[self.boundary_edges])
+        if name == "outer":
+            return self._outline_nodes
+        if name in SIDES:
+            axis, end = SIDES[name]
+            coordinate = self.nodes[:, axis]
+            side = coordinate.max() if end else coordinate.min()
+            near = np.abs(coordinate[self._outline_nodes] - side) <= SIDE_TOLERANCE * self.size
+            return self._outline_nodes[near]
+        if name.startswith("cut:") and name[4:].isdecimal():
+            loops = [cut.loop for cut in self.cuts if int(name[4:]) in cut.members]
+            if loops:
+                return np.unique(np.concatenate(loops))
+        members = sorted(number for cut in self.cuts for number in cut.members)
+        cut_names = f"cut:{members[0]} to cut:{members[-1]}" if members else "no cuts"
+        raise GeometryError(
+            f"the mesh has no boundary or set named {name!r}; there are {', '.join([*SIDES, 'outer', 'free'])}, "
+            f"{cut_names}, and {'the sets ' + ', '.join(self.sets) if self.sets else 'no sets'}"
+        )
+
+    @cached_property
+    def _outline_nodes(self) -> Integers:
+        outer = [self._end_nodes(walk) for walk in self._boundary_walks[: self._outer_loop_count]]
+        pairs = np.concatenate(outer) if outer else np.empty((0, 2), np.int64)  # a closed surface has no boundary
+        lips = [np.column_stack([np.roll(cut.loop, -1), cut.loop]) for cut in self.cuts if cut.open]
+        if lips:
+            along_cut = np.isin(_pair_keys(pairs, len(self.nodes)), _pair_keys(np.concatenate(lips), len(self.nodes)))
+            pairs = pairs[~along_cut]
+        return _read_only(np.unique(pairs))
+
+    # --- copies ----------------------------------------------------------------------------------------------------
+
+    def with_sets(self, **sets: ArrayLike) -> TriMesh:
+        """Copy with more named node sets; a name that exists is replaced."""
+        return self._copy(self.nodes, {**self.sets, **sets})
+
+    def scaled(self, factor: float) -> TriMesh:
+        """Copy with all coordinates times ``factor``; the thickness stays as it is."""
+        if not (np.isfinite(factor) and factor > 0):
+            raise GeometryError(f"cannot scale a mesh by {factor}: the factor must be positive")
+        return self._copy(self.nodes * factor, self.sets)
+
+    def _copy(self, nodes: Floats, sets: Mapping[str, ArrayLike]) -> TriMesh:
+        return TriMesh(
+            nodes, self.triangles, sets, thickness=self.thickness, material=self.material, cuts=self._given_cuts
+        )
+
+    def _node_set(self, name: str, which: ArrayLike) -> Integers:
+        indices = np.asarray(which)
+        if indices.dtype == bool and indices.shape == (len(self.nodes),):
+            indices = np.flatnonzero(indices)
+        if indices.size and not np.issubdtype(indices.dtype, np.integer):
+            raise GeometryError(f"node set {name!r} must hold integers or one boolean per node, not {indices.dtype}")
+        indices = np.unique(indices).astype(np.int64)
+        if indices.size and not (indices[0] >= 0 and indices[-1] < len(self.nodes)):
+            worst = indices[0] if indices[0] < 0 else indices[-1]
+            raise GeometryError(f"node set {name!r} holds index {worst}, but the mesh has {len(self.nodes)} nodes")
+        return _read_only(indices)
+
+    def __repr__(self) -> str:
+        size = " x ".join(f"{extent:.4g}" for extent in np.ptp(self.nodes, axis=0) if extent > 0)
+        closed_cuts = sum(not cut.open for cut in self.cuts)
+        holes = max(len(self.boundary_loops) - self._outer_loop_count - closed_cuts, 0)
+        return (
+            f"TriMesh({len(self.nodes)} nodes, {len(self.triangles)} facets, size {size}, "
+            f"smallest angle {self.min_angle:.3g} deg, {len(self.cuts)} cuts, {holes} holes)"
+        )
+
+
+# --- checks --------------------------------------------------------------------------------------------------------
+
+
+def _read_only(array: NDArray[Any]) -> NDArray[Any]:
+    array.setflags(write=False)
+    return array
+
+
+def _checked_nodes(nodes: ArrayLike) -> Floats:
+    given = np.asarray(nodes, dtype=float)
+    if given.ndim != 2 or given.shape[1] not in (2, 3) or len(given) == 0:
+        raise GeometryError(f"nodes must have shape (n, 2) or (n, 3), not {given.shape}")
+    bad = np.flatnonzero(~np.isfinite(given).all(axis=1))
+    if bad.size:
+        raise GeometryError(f"node {bad[0]} has the coordinates {given[bad[0]]}: every coordinate must be finite")
+    checked = np.zeros((len(given), 3))
+    checked[:, : given.shape[1]] = given
+    return checked
+
+
+def _checked_triangles(nodes: Floats, triangles: ArrayLike) -> Integers:
+    given = np.asarray(triangles)
+    if given.ndim != 2 or given.shape[1] != 3 or len(given) == 0 or not np.issubdtype(given.dtype, np.integer):
+        raise GeometryError(f"triangles must be integers of shape (m, 3), not {given.dtype} of shape {given.shape}")
+    checked = given.astype(np.int64)
+
+    def refuse(wrong: NDArray[np.bool_], why: str) -> None:
+        if wrong.any():
+            facet = int(np.flatnonzero(wrong)[0])
+            raise GeometryError(f"facet {facet} with nodes {checked[facet].tolist()} {why}")
+
+    refuse(((checked < 0) | (checked >= len(nodes))).any(axis=1), f"names a node beyond 0 .. {len(nodes) - 1}")
+    refuse((checked == np.roll(checked, 1, axis=1)).any(axis=1), "names one node twice")
+    longest = np.linalg.norm(_sides(nodes, checked), axis=2).max(axis=1)
+    area = np.linalg.norm(_area_vectors(nodes, checked), axis=1)
+    refuse(area <= DEGENERATE * longest**2, "has no area: its nodes lie on a line")
+    ordered = np.sort(checked, axis=1)
+    rank = np.lexsort(ordered.T)
+    again = np.zeros(len(checked), bool)
+    again[rank[1:]] = (ordered[rank[1:]] == ordered[rank[:-1]]).all(axis=1)
+    refuse(again, "is given twice")
+    unused = np.flatnonzero(np.bincount(checked.ravel(), minlength=len(nodes)) == 0)
+    if unused.size:
+        raise GeometryError(f"node {unused[0]} at {nodes[unused[0]]} and {unused.size - 1} more belong to no facet")
+    return checked
+
+
+def _oriented(nodes: Floats, triangles: Integers) -> Integers:
+    """Facets turned so that neighbours agree and the sheet as a whole faces +z."""
+    oriented = triangles.copy()
+    if np.ptp(nodes[:, 2]) == 0.0:
+        _flip(oriented, _area_vectors(nodes, oriented)[:, 2] < 0)
+    else:
+        _flip(oriented, _flips_of_a_surface(nodes, oriented))
+    first, second = _paired_half_edges(oriented)
+    both = second >= 0
+    start = oriented.ravel()
+    clash = np.flatnonzero(both & (start[first] == start[second]))
+    if clash.size:
+        facets = first[clash[0]] // 3, second[clash[0]] // 3
+        place = nodes[oriented[facets[0]]].mean(axis=0)
+        raise GeometryError(f"facets {facets[0]} and {facets[1]} overlap: both lie on one side of their edge near {place}")
+    return oriented
+
+
+def _flips_of_a_surface(nodes: Floats, triangles: Integers) -> NDArray[np.bool_]:
+    """Which facets to turn, from a graph that holds every facet twice, as it is and turned.
+
+    Links join the states in which neighbours agree. Each part of the surface then appears as two components, one for
+    each way round; if they are the same component the surface has only one side.
+    """
+    from scipy.sparse import coo_array
+    from scipy.sparse.csgraph import connected_components
+
+    first, second = _paired_half_edges(triangles)
+    both = second >= 0
+    start, count = triangles.ravel(), len(triangles)
+    agree = start[first[both]] != start[second[both]]
+    left, right = first[both] // 3, second[both] // 3
+    rows = np.concatenate([left, left + count])
+    columns = np.concatenate([np.where(agree, right, right + count), np.where(agree, right + count, right)])
+    graph = coo_array((np.ones(len(rows), np.int8), (rows, columns)), shape=(2 * count, 2 * count))
+    state = connected_components(graph, directed=False)[1]
+    if (state[:count] == state[count:]).any():
+        raise GeometryError("the surface has only one side, like a Moebius band: its facets cannot be oriented")
+    upward = _area_vectors(nodes, triangles)[:, 2]
+    facing = np.bincount(state, weights=np.concatenate([upward, -upward]))
+    kept, turned = facing[state[:count]], facing[state[count:]]
+    level = np.abs(kept - turned) <= 1e-12 * np.abs(upward).sum()  # a closed or upright part: keep its first facet
+    return np.where(level, state[:count] > state[count:], turned > kept)
+
+
+def _flip(triangles: Integers, which: NDArray[np.bool_]) -> None:
+    triangles[which, 1:] = triangles[which, :0:-1]
+
+
+# --- half-edges and vectors ----------------------------------------------------------------------------------------
+
+
+def _pair_keys(pairs: Integers, count: int) -> Integers:
+    """One integer per unordered pair of nodes."""
+    return pairs.min(axis=1) * count + pairs.max(axis=1)
+
+
+def _paired_half_edges(triangles: Integers) -> tuple[Integers, Integers]:
+    """First and second (or -1) half-edge of each edge; of two, the first starts at the smaller node."""
+    start, end = triangles.ravel(), triangles[:, [1, 2, 0]].ravel()
+    keys = _pair_keys(np.column_stack([start, end]), int(triangles.max()) + 1)
+    order = np.argsort(keys, kind="stable")
+    ranked = keys[order]
+    is_new = np.concatenate([[True], ranked[1:] != ranked[:-1]])
+    edge = np.cumsum(is_new) - 1
+    crowded = np.flatnonzero(np.bincount(edge) > 2)
+    if crowded.size:
+        halves = order[edge == crowded[0]]
+        raise GeometryError(
+            f"the edge between nodes {start[halves[0]]} and {end[halves[0]]} belongs to {len(halves)} facets "
+            f"({', '.join(str(half // 3) for half in halves)}); a sheet has at most two at an edge"
+        )
+    first = order[is_new]
+    second = np.full(len(first), -1)
+    second[edge[~is_new]] = order[~is_new]
+    swap = (second >= 0) & (start[first] > end[first])
+    first[swap], second[swap] = second[swap], first[swap]
+    return first, second
+
+
+def _sides(nodes: Floats, triangles: Integers) -> Floats:
+    """Vectors from each corner to the next, shape (m, 3, 3)."""
+    corners = nodes[triangles]
+    return corners[:, [1, 2, 0]] - corners
+
+
+def _area_vectors(nodes: Floats, triangles: Integers) -> Floats:
+    """Normal of each facet times its area, shape (m, 3)."""
+    sides = _sides(nodes, triangles)
+    return 0.5 * np.cross(sides[:, 0], sides[:, 1])

@@ -1,0 +1,225 @@
+"""The one contract for everything that makes force, and a checker for it.
+
+A *kernel* is a struct of arrays for many alike objects: bars, hinges, springs, loads, contact. It says which
+nodes each member touches and evaluates energy, gradient and Hessian blocks at a configuration. Whoever assembles
+kernels knows no element; whoever writes an element knows no solver.
+"""
+
+from __future__ import annotations
+
+from typing import Any, ClassVar, NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+Array = NDArray[np.float64]
+
+
+class Configuration(np.ndarray):
+    """Current node positions, shape (n, dim), that remember the displacement they came from.
+
+    Small strains of a large sheet drown in the rounding of ``rest + displacement``; a kernel that measures strain
+    reads ``displacement`` (n, dim) instead. ``scalars`` (p,) holds unknowns that are not translations.
+    """
+
+    displacement: Array | None
+    scalars: Array | None
+
+    def __new__(cls, rest: Array, displacement: Array, scalars: Array | None = None) -> Configuration:
+        positions = (rest + displacement).view(cls)
+        positions.displacement = displacement
+        positions.scalars = scalars
+        return positions
+
+    def __array_finalize__(self, source: Any) -> None:
+        self.displacement = None
+        self.scalars = None
+
+
+def displacement_of(x: ArrayLike, rest: Array) -> Array:
+    """Displacement (n, dim) of positions `x` from `rest`, exact where `x` is a Configuration."""
+    stored = getattr(x, "displacement", None)
+    return np.asarray(x, dtype=float) - rest if stored is None else stored
+
+
+class Contribution(NamedTuple):
+    """What a kernel returns: member by member, ``None`` where it was not asked for.
+
+    ``energy`` (n,); ``gradient`` (n, k, dim); ``hessian`` (n, k, k, dim, dim), or (n, pairs, dim, dim) for the
+    kernels that list their local node ``pairs``.
+    """
+
+    energy: Array
+    gradient: Array | None = None
+    hessian: Array | None = None
+
+
+class Kernel:
+    """Base class of all kernels; a new effect overrides :meth:`evaluate` and little else.
+
+    Attributes
+    ----------
+    name : str
+        Key under which energy and seconds are reported, for example ``"bars"``.
+    conn : ndarray of int, shape (n, k)
+        Node indices of each member.
+    pairs : tuple of (int, int), or None
+        Local node pairs (a, b), a <= b, of the Hessian blocks that are returned; the blocks (b, a) follow by
+        symmetry. None means all k * k blocks are returned; an empty tuple means the Hessian is zero.
+    scaled : bool
+        True where the potential depends on the load factor, which it must do linearly.
+    members : ndarray of int, shape (n,), or None
+        Position of each member among the model's objects of its type.
+    """
+
+    name: ClassVar[str] = "kernel"
+    pairs: tuple[tuple[int, int], ...] | None = None
+    scaled: bool = False
+    conn: NDArray[np.int64]
+    members: NDArray[np.int64] | None = None
+
+    def evaluate(self, x: Array, lam: float = 1.0, need: int = 2) -> Contribution:
+        """Energy (need 0), also the gradient (need 1), also the Hessian (need 2) at positions `x` (n_nodes, dim)."""
+        raise NotImplementedError
+
+    def commit(self, x: Array) -> None:
+        """Accept `x` as an equilibrium: history-dependent state moves on."""
+
+    def revert(self) -> None:
+        """Forget everything since the last commit."""
+
+    def update(self, x: Array) -> bool:
+        """Look for new or lost members at `x`; True when ``conn`` changed."""
+        return False
+
+    def linearize(self, x: Array, change: Array | None) -> None:
+        """Take the stress of the next geometric stiffness from a linear step `change` (n, dim) off `x`, not from the
+        position reached; None goes back to the exact stress. Kernels without a stiff stress ignore it."""
+
+    @property
+    def history(self) -> Array | None:
+        """State that must be stored with a step to go on from it, or None."""
+        return None
+
+    @history.setter
+    def history(self, value: Array | None) -> None:
+        pass
+
+    def arrays(self) -> dict[str, Any]:
+        """Constructor arguments, so that results can be saved and rebuilt."""
+        raise NotImplementedError(f"{type(self).__name__} does not say how to save itself: define arrays()")
+
+
+def check_kernel(kernel: Kernel, x: ArrayLike, lam: float = 1.0, step: float = 1e-6) -> dict[str, float]:
+    """Hold a kernel against finite differences, symmetry and rigid motion at one configuration.
+
+    Parameters
+    ----------
+    kernel : Kernel
+        The kernel to check.
+    x : array_like, shape (n_nodes, dim)
+        Positions at which to check, in the unit of length of the model.
+    lam : float
+        Load factor.
+    step : float
+        Difference step, as a fraction of the size of the members.
+
+    Returns
+    -------
+    dict of float
+        Largest relative errors: ``gradient`` and ``hessian`` against central differences (about 1e-7 is right),
+        ``symmetry`` of the Hessian, ``force`` and ``moment`` resultants of each member, ``rigid`` change of energy
+        under a small-angle-free rotation and translation. The last three are meant for elements; a load need not
+        meet them.
+
+    Examples
+    --------
+    >>> import numpy as np, kirigami as kg
+    >>> m = kg.Model()
+    >>> a, b = m.add(kg.Node(0, 0), kg.Node(1, 0))
+    >>> bar = m.add(kg.Bar(a, b, EA=10.0))
+    >>> kernel, = kg.System(m).kernels
+    >>> errors = kg.check_kernel(kernel, [[0, 0, 0], [1.2, 0.3, -0.1]])
+    >>> max(errors.values()) < 1e-6
+    True
+    """
+    x = np.array(x, dtype=float)
+    conn = kernel.conn
+    n, k = conn.shape
+    dim = x.shape[1]
+    exact = kernel.evaluate(x, lam, 2)
+    assert exact.gradient is not None
+    hessian = full_hessian(kernel, exact)
+    size = np.abs(x[conn] - x[conn].mean(axis=1, keepdims=True)).max() or 1.0
+    h = step * size
+    # One member at a time would be slow and all at once would mix members that share a node, so the members are
+    # evaluated on a copy in which no two of them share one.
+    gradient_error = hessian_error = 0.0
+    gradient_size = np.abs(exact.gradient).max() + np.abs(exact.energy).max() / size + 1e-300
+    hessian_size = np.abs(hessian).max() + gradient_size / size
+    for a in range(k):
+        for axis in range(dim):
+            energies, gradients = [], []
+            for sign in (1.0, -1.0):
+                moved_energy = np.empty(n)
+                moved_gradient = np.empty((n, k, dim))
+                for color in _independent(conn):
+                    y = x.copy()
+                    y[conn[color, a], axis] += sign * h
+                    moved = kernel.evaluate(y, lam, 1)
+                    assert moved.gradient is not None
+                    moved_energy[color], moved_gradient[color] = moved.energy[color], moved.gradient[color]
+                energies.append(moved_energy)
+                gradients.append(moved_gradient)
+            by_energy = (energies[0] - energies[1]) / (2 * h)
+            by_gradient = (gradients[0] - gradients[1]) / (2 * h)
+            gradient_error = max(gradient_error, np.abs(by_energy - exact.gradient[:, a, axis]).max())
+            hessian_error = max(hessian_error, np.abs(by_gradient - hessian[:, :, a, :, axis]).max())
+    arm = x[conn] - x[conn].mean(axis=1, keepdims=True)
+    moment = arm[..., :, None] * exact.gradient[..., None, :]
+    moment = (moment - np.swapaxes(moment, -1, -2)).sum(axis=1)
+    rotation = np.linalg.qr(np.random.default_rng(1).normal(size=(dim, dim)))[0]
+    rotation[:, 0] *= np.sign(np.linalg.det(rotation))
+    turned = kernel.evaluate(x @ rotation.T + size, lam, 0).energy
+    energy_size = np.abs(exact.energy).max() + gradient_size * size
+    return {
+        "gradient": float(gradient_error / gradient_size),
+        "hessian": float(hessian_error / hessian_size),
+        "symmetry": float(np.abs(hessian - hessian.transpose(0, 2, 1, 4, 3)).max() / hessian_size),
+        "force": float(np.abs(exact.gradient.sum(axis=1)).max() / gradient_size),
+        "moment": float(np.abs(moment).max() / (gradient_size * size)),
+        "rigid": float(np.abs(turned - exact.energy).max() / energy_size),
+    }
+
+
+def full_hessian(kernel: Kernel, contribution: Contribution) -> Array:
+    """All k * k Hessian blocks, shape (n, k, k, dim, dim), of a contribution that may list only some pairs."""
+    n, k = kernel.conn.shape
+    assert contribution.gradient is not None
+    dim = contribution.gradient.shape[2]
+    if kernel.pairs is None:
+        assert contribution.hessian is not None
+        return contribution.hessian
+    full = np.zeros((n, k, k, dim, dim))
+    for slot, (a, b) in enumerate(kernel.pairs):
+        assert contribution.hessian is not None
+        full[:, a, b] = contribution.hessian[:, slot]
+        if a != b:
+            full[:, b, a] = contribution.hessian[:, slot].swapaxes(-1, -2)
+    return full
+
+
+def _independent(conn: NDArray[np.int64]) -> list[NDArray[np.int64]]:
+    """Members grouped so that no two of a group share a node (greedy colouring)."""
+    groups: list[list[int]] = []
+    used: list[set[int]] = []
+    for member, nodes in enumerate(conn.tolist()):
+        for group, taken in zip(groups, used):
+            if taken.isdisjoint(nodes):
+                group.append(member)
+                taken.update(nodes)
+                break
+        else:
+            groups.append([member])
+            used.append(set(nodes))
+    return [np.array(group) for group in groups]

@@ -1,0 +1,106 @@
+"""Loads: kernels whose potential falls when the structure moves along them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from kirigami.constraints import listed
+from kirigami.errors import ModelError
+from kirigami.kernel import Array, Contribution, Kernel, displacement_of
+from kirigami.model import ModelObject, Node, Numbering
+
+
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
+class Load(ModelObject):
+    """Base of all loads."""
+
+    kind: ClassVar[str] = "load"
+
+
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
+class NodalLoad(Load):
+    """A dead force on each of the given nodes.
+
+    Parameters
+    ----------
+    nodes : Node or sequence of Node
+        Loaded nodes.
+    force : array_like, shape (2,) or (3,)
+        Force on each node at load factor 1 [force].
+    constant : bool
+        The force acts at full size whatever the load factor.
+
+    Raises
+    ------
+    ModelError
+        Empty selection, or a force that is not two or three finite numbers.
+
+    Examples
+    --------
+    >>> import kirigami as kg
+    >>> kg.NodalLoad(kg.Node(0, 1), (0, -1))
+    NodalLoad(1 nodes, force=(0, -1, 0))
+    """
+
+    group: tuple[Node, ...]
+    force: tuple[float, float, float]
+    constant: bool
+
+    def __init__(self, nodes: Node | Iterable[Node], force: ArrayLike, constant: bool = False) -> None:
+        vector = np.asarray(force, dtype=float)
+        if vector.shape not in ((2,), (3,)) or not np.isfinite(vector).all():
+            raise ModelError(f"NodalLoad: force must be two or three finite numbers, got {force!r}")
+        object.__setattr__(self, "group", listed(nodes, "NodalLoad"))
+        object.__setattr__(self, "force", tuple(np.append(vector, 0.0)[:3].tolist()))
+        object.__setattr__(self, "constant", bool(constant))
+
+    @property
+    def nodes(self) -> tuple[Node, ...]:
+        return self.group
+
+    def held(self, lam: float) -> NodalLoad:
+        """The same, constant at load factor `lam`."""
+        return self if self.constant else NodalLoad(self.group, np.multiply(lam, self.force), constant=True)
+
+    @classmethod
+    def lower(cls, objects: Sequence[NodalLoad], numbering: Numbering) -> list[Kernel]:
+        for load in objects:
+            if numbering.dim == 2 and load.force[2] != 0:
+                raise ModelError(f"{load!r} has a force along z, but the model has dim=2")
+        kernels: list[Kernel] = []
+        for constant in (False, True):
+            group = [load for load in objects if load.constant == constant]
+            if group:
+                conn = numbering.index(node for load in group for node in load.group)[:, None]
+                force = np.repeat([load.force for load in group], [len(load.group) for load in group], axis=0)
+                kernels.append(NodalLoadKernel(numbering.rest, conn, force[:, : numbering.dim], constant))
+        return kernels
+
+    def __repr__(self) -> str:
+        return "NodalLoad({} nodes, force=({:g}, {:g}, {:g}){})".format(
+            len(self.group), *self.force, ", constant=True" if self.constant else ""
+        )
+
+
+class NodalLoadKernel(Kernel):
+    """Potential -lam F.u of dead forces."""
+
+    name = "loads"
+    pairs = ()
+
+    def __init__(self, rest: Array, conn: NDArray[np.int64], force: Array, constant: bool = False) -> None:
+        self.rest, self.conn, self.force, self.constant = rest, conn, force, bool(constant)
+        self.scaled = not self.constant
+
+    def arrays(self) -> dict[str, Any]:
+        return {"conn": self.conn, "force": self.force, "constant": self.constant}
+
+    def evaluate(self, x: Array, lam: float = 1.0, need: int = 2) -> Contribution:
+        factor = 1.0 if self.constant else lam
+        u = displacement_of(x, self.rest)[self.conn[:, 0]]
+        return Contribution(-factor * (self.force * u).sum(axis=1), -factor * self.force[:, None, :])

@@ -1,0 +1,159 @@
+"""Words for motions that nothing resists: rigid ones of a connected part, and floppy ones inside it."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from kirigami.constraints import AXES
+from kirigami.errors import MechanismError
+from kirigami.kernel import Array
+from kirigami.linalg import Factor, SingularMatrixError, factorize
+
+if TYPE_CHECKING:
+    from kirigami.system import System
+
+FREE = 1e-14  # energy of a motion over that of its members one by one; rounding leaves about 1e-16
+
+
+def rigid_motions(points: Array) -> tuple[Array, list[str]]:
+    """Translations and rotations about the centroid: fields (motions, n, dim) of size about 1, and their names."""
+    n, dim = points.shape
+    arm = points - points.mean(axis=0)
+    arm /= np.abs(arm).max(initial=0.0) or 1.0
+    fields = [np.tile(np.eye(dim)[axis], (n, 1)) for axis in range(dim)]
+    names = [f"translation along {AXES[axis]}" for axis in range(dim)]
+    for axis in range(3) if dim == 3 else [2]:
+        first, second = [a for a in range(3) if a != axis]
+        turn = np.zeros((n, dim))
+        turn[:, first], turn[:, second] = -arm[:, second], arm[:, first]
+        fields.append(turn)
+        names.append(f"rotation about {AXES[axis]}" if dim == 3 else "rotation in the plane")
+    return np.array(fields), names
+
+
+def connected_parts(system: System) -> list[Array]:
+    """Node indices of each part that elements or ties hold together."""
+    from scipy.sparse import coo_matrix
+    from scipy.sparse.csgraph import connected_components
+
+    n = len(system.rest)
+    first, second = [], []
+    for kernel in system.kernels:
+        for other in range(1, kernel.conn.shape[1]):
+            first.append(kernel.conn[:, 0])
+            second.append(kernel.conn[:, other])
+    tied = np.flatnonzero((system.unknown >= 0) & (system.heads[system.unknown] != np.arange(system.unknown.size)))
+    first.append(tied // system.dim)
+    second.append(system.heads[system.unknown[tied]] // system.dim)
+    rows, columns = np.concatenate(first), np.concatenate(second)
+    graph = coo_matrix((np.ones(len(rows)), (rows, columns)), shape=(n, n))
+    count, label = connected_components(graph, directed=False)
+    return [np.flatnonzero(label == part) for part in range(count)]
+
+
+def free_rigid_motions(system: System) -> tuple[str, list[int], str] | None:
+    """The first part with free rigid motions: the motion, its nodes, and a message in words; None if all are held."""
+    parts = connected_parts(system)
+    for part in parts:
+        fields, names = rigid_motions(system.rest[part])
+        motions = fields.reshape(len(fields), -1)
+        # The motion that the constraints allow is the part of the field that T can carry; what is left over is held.
+        full = np.zeros((len(motions), system.rest.size))
+        at = (part[:, None] * system.dim + np.arange(system.dim)).ravel()
+        full[:, at] = motions
+        allowed = np.zeros_like(full)
+        moving = system.unknown >= 0
+        allowed[:, moving] = full[:, system.heads[system.unknown[moving]]]
+        _, sizes, basis = np.linalg.svd(motions, full_matrices=False)
+        rank = int(np.sum(sizes > 1e-9 * sizes[0])) if sizes[0] > 0 else 0
+        # Coordinates in an orthonormal basis of the part's true motions (a straight chain has no spin of its own).
+        coordinates = motions @ basis[:rank].T
+        violation = np.linalg.lstsq(coordinates, (full - allowed)[:, at], rcond=None)[0]
+        _, held, directions = np.linalg.svd(violation.T, full_matrices=False)
+        free = directions[held <= 1e-9]
+        if not len(free):
+            continue
+        said = []
+        for coordinate, name in zip(coordinates, names):
+            unit = coordinate / (np.linalg.norm(coordinate) or 1.0)
+            if np.linalg.norm(coordinate) > 1e-9 and np.linalg.norm(free @ unit) > 1 - 1e-6:
+                said.append(name)
+        if len(said) < len(free):
+            said.append("a rotation about an axis through its supports" if not said else "combinations of these")
+        motion = ", ".join(said)
+        where = "the structure" if len(parts) == 1 else (
+            f"a part of {len(part)} nodes (one of {len(parts)}) around "
+            f"({', '.join(f'{c:.6g}' for c in system.rest[part].mean(axis=0))})"
+        )
+        support = "it has no support" if not held.any() else "its supports do not hold it"
+        message = (
+            f"{where} can move as a rigid body: {motion}; {support}. "
+            "Add Fix or Prescribe objects that stop the motion named."
+        )
+        return motion, part.tolist(), message
+    return None
+
+
+def check_floppy(system: System, matrix: Any, factor: Factor | None) -> None:
+    """Raise a MechanismError, in words, if some motion of the unknowns costs no energy.
+
+    `factor` is the factorised `matrix`, or None if it could not be factorised.
+    """
+    if factor is None or not _factor_is_sound(matrix, factor):
+        from scipy.sparse import identity
+
+        shift = 1e-10 * float(np.abs(matrix.diagonal()).mean() or system.stiffness_scale)
+        try:
+            factor = factorize((matrix + shift * identity(matrix.shape[0], format="csc")).tocsc())
+        except SingularMatrixError:
+            raise MechanismError("the stiffness matrix is singular: some motion costs no energy") from None
+    vector = np.random.default_rng(0).normal(size=matrix.shape[0])
+    for _ in range(3):
+        with np.errstate(all="ignore"):
+            vector = factor.solve(vector)
+        largest = np.abs(vector).max(initial=0.0)
+        if not np.isfinite(largest) or largest == 0:
+            return
+        vector /= largest
+    one_by_one = float(np.abs(vector) @ (abs(matrix) @ np.abs(vector)))
+    if abs(float(vector @ (matrix @ vector))) > FREE * one_by_one:
+        return
+    shape = system.displacement(vector, 0.0) - system.displacement(np.zeros_like(vector), 0.0)
+    motion, nodes = describe_motion(system, shape)
+    full = np.zeros((len(shape), 3))
+    full[:, : system.dim] = shape
+    raise MechanismError(
+        f"the structure has a floppy motion that costs no energy: {motion}. "
+        "Fix these nodes in that direction, or add members that resist it.",
+        motion=motion,
+        nodes=nodes,
+        shape=full,
+    )
+
+
+def _factor_is_sound(matrix: Any, factor: Factor) -> bool:
+    probe = np.ones(matrix.shape[0])
+    try:
+        with np.errstate(all="ignore"):
+            solution = factor.solve(probe)
+    except SingularMatrixError:
+        return False
+    return bool(np.isfinite(solution).all())
+
+
+def describe_motion(system: System, shape: Array) -> tuple[str, list[int]]:
+    """A motion (n, dim) in words: which nodes move most, and along which axis."""
+    size = np.linalg.norm(shape, axis=1)
+    moving = np.flatnonzero(size > 0.1 * size.max())
+    order = moving[np.argsort(-size[moving], kind="stable")]
+    share = np.sqrt((shape[moving] ** 2).sum(axis=0))
+    share /= np.linalg.norm(share)
+    axis = int(np.argmax(share))
+    direction = f"along {AXES[axis]}" if share[axis] > 0.99 else "in the directions " + ", ".join(
+        AXES[a] for a in range(system.dim) if share[a] > 0.1
+    )
+    shown = ", ".join(f"{node} {system.model.nodes[node]!r}" for node in order[:4].tolist())
+    more = f" and {len(order) - 4} more" if len(order) > 4 else ""
+    return f"node(s) {shown}{more} move {direction}", order.tolist()

@@ -1,0 +1,497 @@
+"""Material, Node and Model: what a user builds. Objects describe; nothing here computes mechanics."""
+
+from __future__ import annotations
+
+import math
+from collections import Counter
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, ClassVar, overload
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from kirigami.errors import GeometryError, ModelError
+
+if TYPE_CHECKING:
+    from kirigami.geometry.mesh import TriMesh
+    from kirigami.kernel import Array, Kernel
+    from kirigami.results import Step
+    from kirigami.stiffness import Calibration, SheetConstants
+
+
+def require_finite(value: Any, name: str, owner: str) -> float:
+    """`value` as a float, or a ModelError that names the argument."""
+    try:
+        number = float(value)
+    except (TypeError, ValueError):
+        raise ModelError(f"{owner}: {name} must be a number, got {value!r}") from None
+    if not math.isfinite(number):
+        raise ModelError(f"{owner}: {name} must be finite, got {number}")
+    return number
+
+
+def require_positive(value: Any, name: str, owner: str) -> float:
+    """`value` as a positive float, or a ModelError that names the argument."""
+    number = require_finite(value, name, owner)
+    if number <= 0:
+        raise ModelError(f"{owner}: {name} must be positive, got {number}")
+    return number
+
+
+@dataclass(frozen=True)
+class Material:
+    """Linear elastic, isotropic material of a sheet.
+
+    Parameters
+    ----------
+    E : float
+        Young's modulus [force / length^2].
+    nu : float
+        Poisson's ratio, above -1 and below 0.5.
+    density : float, optional
+        Mass per volume; only where mass or weight matters.
+
+    Raises
+    ------
+    ModelError
+        A value is out of its range or not finite.
+
+    Examples
+    --------
+    >>> import kirigami as kg
+    >>> kg.Material(E=3.5e9, nu=0.34)
+    Material(E=3500000000.0, nu=0.34, density=None)
+    """
+
+    E: float
+    nu: float = 1 / 3
+    density: float | None = None
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "E", require_positive(self.E, "E", "Material"))
+        nu = require_finite(self.nu, "nu", "Material")
+        if not -1 < nu < 0.5:
+            raise ModelError(f"Material: nu must lie between -1 and 0.5, got {nu}")
+        object.__setattr__(self, "nu", nu)
+        if self.density is not None:
+            object.__setattr__(self, "density", require_positive(self.density, "density", "Material"))
+
+
+class Node:
+    """A point of the model, with one displacement unknown per axis.
+
+    Parameters
+    ----------
+    x, y, z : float
+        Coordinates [length].
+    name : str, optional
+        A label for messages and pictures.
+
+    Raises
+    ------
+    ModelError
+        A coordinate is not a finite number.
+
+    Examples
+    --------
+    >>> import kirigami as kg
+    >>> kg.Node(1, 2, name="apex")
+    Node(1, 2, 0, name='apex')
+    """
+
+    __slots__ = ("_position", "name")
+
+    def __init__(self, x: float, y: float, z: float = 0.0, *, name: str | None = None) -> None:
+        try:
+            position = (float(x), float(y), float(z))
+        except (TypeError, ValueError):
+            raise ModelError(f"Node: coordinates must be numbers, got ({x!r}, {y!r}, {z!r})") from None
+        if not all(map(math.isfinite, position)):
+            raise ModelError(f"Node: coordinates must be finite, got {position}")
+        self._position = position
+        self.name = name
+
+    # Coordinates are read-only so that a model always knows when its rest state changed: move nodes by Model.perturb.
+    x = property(lambda self: self._position[0], doc="x coordinate in the rest state.")
+    y = property(lambda self: self._position[1], doc="y coordinate in the rest state.")
+    z = property(lambda self: self._position[2], doc="z coordinate in the rest state.")
+
+    def __repr__(self) -> str:
+        label = f", name={self.name!r}" if self.name else ""
+        return "Node({:.6g}, {:.6g}, {:.6g}{})".format(*self._position, label)
+
+
+class ModelObject:
+    """Base of everything a model holds beside its nodes. ``kind`` says on which list it goes."""
+
+    __slots__ = ()
+    kind: ClassVar[str] = "element"  # "element", "constraint", "load" or "effect"
+
+    @property
+    def nodes(self) -> tuple[Node, ...]:
+        """Every node the object touches."""
+        raise NotImplementedError
+
+    @classmethod
+    def lower(cls, objects: Sequence[Any], numbering: Numbering) -> list[Kernel]:
+        """Turn all objects of this class, at once, into kernels."""
+        raise NotImplementedError
+
+
+class Numbering:
+    """What lowering needs to know of a model: node indices, rest positions (n, dim), size."""
+
+    def __init__(self, model: Model) -> None:
+        self.model = model
+        self.dim = model.dim
+        self.rest: Array = model.positions()[:, : model.dim].copy()
+        self.size = float(np.linalg.norm(np.ptp(self.rest, axis=0))) or 1.0
+
+    def index(self, nodes: Iterable[Node]) -> NDArray[np.int64]:
+        index = self.model._index
+        return np.array([index[id(node)] for node in nodes], dtype=np.int64)
+
+    def connectivity(self, objects: Sequence[ModelObject]) -> NDArray[np.int64]:
+        """Node indices (n, k) of objects that all have k nodes."""
+        return self.index(node for item in objects for node in item.nodes).reshape(len(objects), -1)
+
+    def describe(self, node: Node) -> str:
+        return f"node {self.model._index[id(node)]} {node!r}"
+
+
+class Model:
+    """A structure of nodes, elements, constraints and loads.
+
+    Parameters
+    ----------
+    dim : {2, 3}
+        Unknowns per node; 2 drops z altogether.
+    name : str
+        A label for messages and pictures.
+
+    Examples
+    --------
+    >>> import kirigami as kg
+    >>> m = kg.Model(dim=2, name="von Mises truss")
+    >>> left, apex, right = m.add(kg.Node(-1, 0), kg.Node(0, 1), kg.Node(1, 0))
+    >>> bars = m.add(kg.Bar(left, apex, EA=1.0), kg.Bar(apex, right, EA=1.0))
+    >>> fixed = m.add(kg.Fix([left, right]))
+    >>> print(m)
+    Model 'von Mises truss' in 2D: 3 nodes, 2 Bar, 1 Fix
+    """
+
+    def __init__(self, dim: int = 3, name: str = "") -> None:
+        if dim not in (2, 3):
+            raise ModelError(f"Model: dim must be 2 or 3, got {dim!r}")
+        self.dim = dim
+        self.name = name
+        self.version = 0  # counts edits, so that a System made before an edit refuses to be used after it
+        self.stage = 0  # counts hold(): the load factor starts from zero again in each stage
+        self.mesh: TriMesh | None = None
+        self.sheet_constants: SheetConstants | None = None
+        self._nodes: list[Node] = []
+        self._index: dict[int, int] = {}
+        self._objects: dict[str, list[Any]] = {"element": [], "constraint": [], "load": [], "effect": []}
+
+    # ---- building
+
+    @classmethod
+    def from_mesh(
+        cls,
+        mesh: TriMesh,
+        thickness: float | None = None,
+        material: Material | None = None,
+        stiffness: str | Calibration = "plate",
+        dim: int = 3,
+    ) -> Model:
+        """A sheet model: every mesh edge a bar, every inner edge a bending hinge.
+
+        Parameters
+        ----------
+        mesh : TriMesh
+            The mesh; ``mesh.nodes[i]`` becomes ``model.nodes[i]``.
+        thickness : float, optional
+            Sheet thickness [length]; None takes the one the mesh carries from its sheet.
+        material : Material, optional
+            None takes the one the mesh carries from its sheet.
+        stiffness : {"plate", "paper"} or Calibration
+            "plate": constants from plate theory; "paper": the published constants. See :mod:`kirigami.stiffness`.
+        dim : {3, 2}
+            2 gives bars only.
+
+        Raises
+        ------
+        ModelError
+            Thickness or material missing or out of range, unknown stiffness.
+
+        Examples
+        --------
+        >>> import kirigami as kg
+        >>> mesh = kg.TriMesh([[0, 0], [1, 0], [1, 1], [0, 1]], [[0, 1, 2], [0, 2, 3]])
+        >>> print(kg.Model.from_mesh(mesh, thickness=0.01, material=kg.Material(E=1e9)))
+        Model in 3D: 4 nodes, 5 Bar, 1 BendHinge
+        """
+        from kirigami.stiffness import populate
+
+        model = cls(dim=dim)
+        populate(model, mesh, thickness, material, stiffness)
+        return model
+
+    @overload
+    def add(self, item: Any, /) -> Any: ...
+    @overload
+    def add(self, *items: Any) -> tuple[Any, ...]: ...
+    def add(self, *items: Any) -> Any:
+        """Add nodes, elements, constraints and loads; returns the object, or the tuple of objects.
+
+        Raises
+        ------
+        ModelError
+            An object is no model object, is already in the model, or uses a node that is not in the model.
+        """
+        for item in items:
+            if isinstance(item, Node):
+                if id(item) in self._index:
+                    raise ModelError(f"{item!r} is already in the model")
+                if self.dim == 2 and item.z != 0.0:
+                    raise ModelError(f"{item!r} has z = {item.z}, but the model has dim=2: use z = 0 or dim=3")
+                self._index[id(item)] = len(self._nodes)
+                self._nodes.append(item)
+            elif isinstance(item, ModelObject):
+                self._check_nodes(item)
+                self._objects[item.kind].append(item)
+            else:
+                hint = ": unpack lists with add(*objects)" if isinstance(item, (list, tuple)) else ""
+                raise ModelError(f"cannot add a {type(item).__name__} to a model{hint}")
+        self.version += 1
+        return items[0] if len(items) == 1 else items
+
+    def _check_nodes(self, item: ModelObject) -> None:
+        for node in item.nodes:
+            if not isinstance(node, Node):
+                raise ModelError(f"{type(item).__name__} was given {node!r} where a Node belongs")
+            if id(node) not in self._index:
+                raise ModelError(f"{type(item).__name__} uses {node!r}, which is not in this model: add the node first")
+
+    def remove(self, *items: ModelObject) -> None:
+        """Take elements, constraints or loads out again (nodes stay).
+
+        Raises
+        ------
+        ModelError
+            An object is not in the model.
+        """
+        for item in items:
+            stored = self._objects.get(getattr(item, "kind", ""), [])
+            position = next((k for k, other in enumerate(stored) if other is item), None)
+            if position is None:
+                raise ModelError(f"{item!r} is not in the model, so it cannot be removed")
+            del stored[position]
+        self.version += 1
+
+    def hold(self, step: Step) -> None:
+        """Freeze what drives the model at its value in `step` and start the load factor from zero again.
+
+        Prescribed displacements and loads become constant ones at ``step.lam`` times their value, so that a next
+        stage (fold, then stretch) can add its own drive and go on with ``start=step``.
+
+        Parameters
+        ----------
+        step : Step
+            The equilibrium to go on from.
+        """
+        for kind in ("constraint", "load", "effect"):
+            self._objects[kind] = [
+                item.held(step.lam) if hasattr(item, "held") else item for item in self._objects[kind]
+            ]
+        self.stage += 1
+        self.version += 1
+
+    def perturb(self, shape: Any, amplitude: float | None = None) -> None:
+        """Move the nodes of the rest state by a stress-free imperfection.
+
+        Parameters
+        ----------
+        shape : Mode or array_like, shape (n, 3), (n, dim) or (n,)
+            Offsets [length]; a one-dimensional array offsets z.
+        amplitude : float, optional
+            Largest length of a node's offset after scaling; None takes the shape as given.
+
+        Raises
+        ------
+        ModelError
+            Wrong number of rows, values that are not finite, z offsets in a 2D model, or an amplitude for a zero shape.
+
+        Examples
+        --------
+        >>> import kirigami as kg
+        >>> m = kg.Model()
+        >>> a, b = m.add(kg.Node(0, 0), kg.Node(1, 0))
+        >>> m.perturb([0.0, 2.0], amplitude=0.1)
+        >>> b
+        Node(1, 0, 0.1)
+        """
+        offset = np.array(shape, dtype=float)  # a Mode turns into its shape
+        n = len(self._nodes)
+        if offset.shape == (n,):
+            offset = np.stack([np.zeros(n), np.zeros(n), offset], axis=1)
+        elif offset.shape == (n, 2):
+            offset = np.column_stack([offset, np.zeros(n)])
+        if offset.shape != (n, 3):
+            raise ModelError(f"perturb: the shape must have one row for each of the {n} nodes, got {offset.shape}")
+        if not np.isfinite(offset).all():
+            raise ModelError("perturb: the shape holds values that are not finite")
+        if self.dim == 2 and np.any(offset[:, 2]):
+            raise ModelError("perturb: a dim=2 model cannot take offsets in z")
+        if amplitude is not None:
+            largest = np.linalg.norm(offset, axis=1).max(initial=0.0)
+            if largest == 0:
+                raise ModelError("perturb: the shape is zero everywhere, so it cannot be scaled to an amplitude")
+            offset *= require_finite(amplitude, "amplitude", "perturb") / largest
+        for node, position in zip(self._nodes, (self.positions() + offset).tolist()):
+            node._position = tuple(position)
+        self.version += 1
+
+    # ---- looking
+
+    @property
+    def nodes(self) -> list[Node]:
+        return self._nodes
+
+    @property
+    def elements(self) -> list[Any]:
+        return self._objects["element"]
+
+    @property
+    def constraints(self) -> list[Any]:
+        return self._objects["constraint"]
+
+    @property
+    def loads(self) -> list[Any]:
+        return self._objects["load"]
+
+    @property
+    def effects(self) -> list[Any]:
+        return self._objects["effect"]
+
+    @property
+    def objects(self) -> list[Any]:
+        """Everything but the nodes, in the order added within each kind."""
+        return [item for stored in self._objects.values() for item in stored]
+
+    def positions(self) -> Array:
+        """Rest positions of all nodes, shape (n, 3)."""
+        return np.array([node._position for node in self._nodes], dtype=float).reshape(-1, 3)
+
+    def index(self, nodes: Node | Iterable[Node]) -> NDArray[np.int64]:
+        """Indices of one node or many.
+
+        Raises
+        ------
+        ModelError
+            A node is not in the model.
+        """
+        listed = [nodes] if isinstance(nodes, Node) else list(nodes)
+        for node in listed:
+            if id(node) not in self._index:
+                raise ModelError(f"{node!r} is not in this model")
+        return np.array([self._index[id(node)] for node in listed], dtype=np.int64)
+
+    def select(
+        self,
+        box: Sequence[float] | None = None,
+        where: Callable[[Array, Array, Array], ArrayLike] | None = None,
+        boundary: str | None = None,
+        index: ArrayLike | None = None,
+    ) -> list[Node]:
+        """Nodes that meet every condition given.
+
+        Parameters
+        ----------
+        box : sequence of 4 or 6 floats
+            (xmin, ymin, xmax, ymax) or (xmin, ymin, zmin, xmax, ymax, zmax), inclusive to 1e-9 of the model's size.
+        where : callable
+            Predicate of the coordinate arrays x, y, z that returns a boolean array.
+        boundary : str
+            "bottom", "top", "left", "right", "outer", "free", "cut:3", or a node set of the mesh.
+        index : int or sequence of int
+            Node indices.
+
+        Raises
+        ------
+        ModelError
+            No condition, a malformed one, an unknown boundary, or nothing selected.
+
+        Examples
+        --------
+        >>> import kirigami as kg
+        >>> m = kg.Model()
+        >>> nodes = m.add(kg.Node(0, 0), kg.Node(1, 0), kg.Node(1, 2))
+        >>> m.select(box=(1, 0, 1, 9))
+        [Node(1, 0, 0), Node(1, 2, 0)]
+        """
+        if box is None and where is None and boundary is None and index is None:
+            raise ModelError("select: give at least one of box, where, boundary, index")
+        if not self._nodes:
+            raise ModelError("select: the model has no nodes yet")
+        x = self.positions()
+        chosen = np.ones(len(x), dtype=bool)
+        if box is not None:
+            chosen &= self._inside(box, x)
+        if where is not None:
+            mask = np.asarray(where(x[:, 0], x[:, 1], x[:, 2]))
+            if mask.shape != (len(x),) or mask.dtype != bool:
+                raise ModelError("select: `where` must return one boolean for each node, such as lambda x, y, z: y > 1")
+            chosen &= mask
+        if boundary is not None:
+            if self.mesh is None:
+                raise ModelError("select: `boundary` needs a model made by Model.from_mesh")
+            try:
+                named = self.mesh.boundary(boundary)
+            except GeometryError as error:
+                raise ModelError(f"select: {error}") from None
+            chosen &= np.isin(np.arange(len(x)), named)
+        if index is not None:
+            wanted = np.atleast_1d(np.asarray(index))
+            if wanted.dtype.kind not in "iu" or wanted.size and (wanted.min() < -len(x) or wanted.max() >= len(x)):
+                raise ModelError(f"select: indices must be integers below {len(x)}, got {index!r}")
+            chosen &= np.isin(np.arange(len(x)), wanted % len(x))
+        found = np.flatnonzero(chosen)
+        if not found.size:
+            low, high = x.min(axis=0), x.max(axis=0)
+            raise ModelError(
+                f"select: no node meets the condition; the nodes span x {low[0]:.6g} to {high[0]:.6g}, "
+                f"y {low[1]:.6g} to {high[1]:.6g}, z {low[2]:.6g} to {high[2]:.6g}"
+            )
+        return [self._nodes[k] for k in found]
+
+    @staticmethod
+    def _inside(box: Sequence[float], x: Array) -> NDArray[np.bool_]:
+        limits = np.asarray(box, dtype=float)
+        if limits.shape not in ((4,), (6,)) or np.isnan(limits).any():
+            raise ModelError(f"select: box must hold 4 or 6 numbers (all minima, then all maxima), got {box!r}")
+        axes = len(limits) // 2
+        slack = 1e-9 * (float(np.linalg.norm(np.ptp(x, axis=0))) or 1.0)
+        part = x[:, :axes]
+        return np.all((part >= limits[:axes] - slack) & (part <= limits[axes:] + slack), axis=1)
+
+    def __str__(self) -> str:
+        counts = Counter(type(item).__name__ for item in self.objects)
+        parts = [f"{len(self._nodes)} nodes"] + [f"{number} {name}" for name, number in counts.items()]
+        return f"Model{f' {self.name!r}' if self.name else ''} in {self.dim}D: {', '.join(parts)}"
+
+    def __repr__(self) -> str:
+        return f"<{self}>"
+
+    def _repr_html_(self) -> str:
+        counts = Counter(type(item).__name__ for item in self.objects)
+        rows = "".join(f"<tr><td>{n}</td><td>{number}</td></tr>" for n, number in counts.items())
+        title = f"Model {self.name}".strip()
+        return f"<b>{title}</b>, {self.dim}D<table><tr><td>nodes</td><td>{len(self._nodes)}</td></tr>{rows}</table>"
+
+    def plot(self, **options: Any) -> Any:
+        """Draw the rest state with supports and loads; returns matplotlib axes (see :func:`kirigami.plot.plot_model`)."""
+        from kirigami.plot import plot_model
+
+        return plot_model(self, **options)

@@ -1,0 +1,587 @@
+"""Results: the stored equilibria of an analysis, and what follows from them."""
+
+from __future__ import annotations
+
+import importlib
+import json
+import os
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from kirigami.constraints import AXES
+from kirigami.errors import AnalysisError, ModelError
+from kirigami.kernel import Array, Configuration, Kernel
+from kirigami.model import Model, Node
+
+if TYPE_CHECKING:
+    from kirigami.geometry.mesh import TriMesh
+    from kirigami.system import System
+
+FORMAT = 1  # version of the results file
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Step:
+    """One converged equilibrium.
+
+    Attributes
+    ----------
+    lam : float
+        Load factor.
+    u : ndarray, shape (n, 3)
+        Displacements from the rest state [length].
+    negative : int or None
+        Number of negative eigenvalues of the tangent stiffness at fixed load factor; None where not counted.
+    residual : float
+        Norm of the residual over the root sum of squares of all unassembled forces.
+    residual_over_reaction : float
+        Norm of the residual over the norm of the support reactions (nan without reactions).
+    iterations : int
+        Corrections it took.
+    history : tuple
+        What history-dependent kernels need to go on from here.
+    stage : int
+        How often :meth:`Model.hold` had been called.
+    """
+
+    lam: float
+    u: Array
+    negative: int | None = None
+    residual: float = float("nan")
+    residual_over_reaction: float = float("nan")
+    iterations: int = 0
+    history: tuple[Array | None, ...] = ()
+    stage: int = 0
+
+    @property
+    def stable(self) -> bool:
+        """True where no eigenvalue of the tangent stiffness is negative."""
+        return self.negative == 0
+
+    @classmethod
+    def at(cls, model: Model, lam: float, u: ArrayLike) -> Step:
+        """A step from known displacements, to start an analysis from.
+
+        Parameters
+        ----------
+        model : Model
+            The model the displacements belong to.
+        lam : float
+            Load factor.
+        u : array_like, shape (n, 3) or (n, dim)
+            Displacements from the rest state [length].
+
+        Raises
+        ------
+        ModelError
+            Wrong shape, or values that are not finite.
+        """
+        given = np.asarray(u, dtype=float)
+        n = len(model.nodes)
+        if given.ndim != 2 or given.shape[0] != n or given.shape[1] not in (model.dim, 3):
+            raise ModelError(f"Step.at: u must have shape ({n}, 3), got {given.shape}")
+        if not np.isfinite(given).all() or not np.isfinite(lam):
+            raise ModelError("Step.at: lam and u must be finite")
+        full = np.zeros((n, 3))
+        full[:, : given.shape[1]] = given
+        return cls(lam=float(lam), u=full, stage=model.stage)
+
+    def __repr__(self) -> str:
+        state = {None: "stability not counted", 0: "stable"}.get(self.negative, f"{self.negative} negative eigenvalues")
+        return f"Step(lam={self.lam:.6g}, {state}, residual={self.residual:.1e}, {self.iterations} iterations)"
+
+
+@dataclass(frozen=True, eq=False)
+class Event:
+    """Something met on the way: a limit point, a change of stability, an interruption.
+
+    Attributes
+    ----------
+    kind : str
+        "limit point", "stability change", "interrupted" or "failed".
+    lam : float
+        Load factor: located for a limit point, else the middle of ``bracket``.
+    step : int
+        Index of the stored step just before it.
+    message : str
+        The event in words.
+    bracket : tuple of float
+        Load factors of the steps on both sides.
+    u : ndarray, shape (n, 3), or None
+        Displacements at a located point.
+    """
+
+    kind: str
+    lam: float
+    step: int
+    message: str
+    bracket: tuple[float, float] = (float("nan"), float("nan"))
+    u: Array | None = field(default=None, repr=False)
+
+    def __str__(self) -> str:
+        return self.message
+
+
+class Results:
+    """Everything an analysis found, step by step.
+
+    Step 0 is the state at load factor 0, in equilibrium with constant loads (or the step the analysis started from).
+    In the shapes below s counts steps and n nodes.
+
+    Attributes
+    ----------
+    steps : list of Step
+        The stored equilibria.
+    events : list of Event
+        What was met on the way.
+    stats : dict
+        "iterations", "factorizations", "steps", "cutbacks", "backend", and "seconds" per part.
+
+    Examples
+    --------
+    >>> import kirigami as kg
+    >>> m = kg.Model(dim=2)
+    >>> a, b = m.add(kg.Node(0, 0), kg.Node(2, 0))
+    >>> objects = m.add(kg.Bar(a, b, EA=10.0), kg.Fix(a), kg.Fix(b, "y"), kg.NodalLoad(b, (1, 0)))
+    >>> res = kg.LinearStatic(m).run()
+    >>> round(float(res.u[-1, 1, 0]), 12), round(float(res.reaction(a, "x")[-1]), 12)
+    (0.2, -1.0)
+    """
+
+    def __init__(self, system: System, linear: bool = False) -> None:
+        self.steps: list[Step] = []
+        self.events: list[Event] = []
+        self.stats: dict[str, Any] = {
+            "iterations": 0, "factorizations": 0, "steps": 0, "cutbacks": 0, "backend": "", "seconds": {}
+        }  # fmt: skip
+        self.model: Model | None = system.model
+        self.name = system.model.name
+        self.dim = system.dim
+        self.rest = system.model.positions()
+        self.kernels = system.kernels
+        self.mesh: TriMesh | None = system.model.mesh
+        self.constrained = system.constrained
+        self.linear = linear
+
+    # ---- steps
+
+    def __len__(self) -> int:
+        return len(self.steps)
+
+    def __getitem__(self, index: int) -> Step:
+        return self.steps[index]
+
+    def append(self, step: Step) -> None:
+        """Store one more step; derived quantities are computed anew when asked for."""
+        self.steps.append(step)
+        for name in ("lam", "u", "_gradients", "energy", "bar_strain", "hinge_angle", "spring_angle"):
+            self.__dict__.pop(name, None)
+
+    @cached_property
+    def lam(self) -> Array:
+        """Load factors (s,)."""
+        return np.array([step.lam for step in self.steps])
+
+    @cached_property
+    def u(self) -> Array:
+        """Displacements (s, n, 3) from the rest state [length]."""
+        return np.array([step.u for step in self.steps]).reshape(len(self.steps), len(self.rest), 3)
+
+    @property
+    def stable(self) -> NDArray[np.bool_]:
+        """Whether each step is stable at fixed load factor (s,)."""
+        return np.array([step.stable for step in self.steps], dtype=bool)
+
+    @property
+    def residual(self) -> Array:
+        """Relative residual of each step (s,)."""
+        return np.array([step.residual for step in self.steps])
+
+    def node_index(self, nodes: Node | int | Iterable[Node | int]) -> NDArray[np.int64]:
+        """Indices of nodes given as objects of the model or as integers."""
+        listed: Sequence[Any] = [nodes] if isinstance(nodes, (Node, int, np.integer)) else list(nodes)
+        if not len(listed):
+            raise ModelError("the node selection is empty")
+        if isinstance(listed[0], Node):
+            if self.model is None:
+                raise ModelError("these results were loaded from a file: give node indices instead of Node objects")
+            return self.model.index(listed)
+        index = np.asarray(listed)
+        if index.dtype.kind not in "iu" or index.min() < -len(self.rest) or index.max() >= len(self.rest):
+            raise ModelError(f"node indices must be integers below {len(self.rest)}, got {nodes!r}")
+        return index
+
+    def position(self, nodes: Node | int | Iterable[Node | int] | None = None) -> Array:
+        """Positions (s, 3) of one node, (s, k, 3) of many, (s, n, 3) of all [length]."""
+        if nodes is None:
+            return self.rest + self.u
+        index = self.node_index(nodes)
+        moved = self.rest[index] + self.u[:, index]
+        return moved[:, 0] if isinstance(nodes, (Node, int, np.integer)) else moved
+
+    # ---- forces and energies
+
+    def _deformation(self, kernel: Any, step: Step) -> Array:
+        """Strain or angle (members,) of a kernel at a step; to first order for a linear analysis."""
+        if self.linear:
+            at_rest = Configuration(self.rest[:, : self.dim], np.zeros((len(self.rest), self.dim)))
+            initial: Array = kernel.deformation(at_rest)
+            return initial + kernel.deformation_rate(at_rest, step.u[:, : self.dim])
+        return self._at(kernel, step, lambda x: kernel.deformation(x))
+
+    def _at(self, kernel: Kernel, step: Step, evaluate: Any) -> Any:
+        """Evaluate with the history of the step, and leave the kernel's own untouched."""
+        before = kernel.history
+        position = next((k for k, other in enumerate(self.kernels) if other is kernel), -1)
+        if before is not None and 0 <= position < len(step.history) and step.history[position] is not None:
+            kernel.history = step.history[position]
+        try:
+            return evaluate(Configuration(self.rest[:, : self.dim], step.u[:, : self.dim]))
+        finally:
+            if before is not None:
+                kernel.history = before
+
+    @cached_property
+    def _gradients(self) -> Array:
+        """Gradient of the potential (s, n, 3): support reactions at constrained displacements, else about zero."""
+        from kirigami.system import scatter_add
+
+        total = np.zeros((len(self.steps), len(self.rest), 3))
+        rest = self.rest[:, : self.dim]
+        at_rest = Configuration(rest, np.zeros_like(rest))
+        for field_, step in zip(total, self.steps):
+            target = np.zeros_like(rest)
+            for kernel in self.kernels:
+                if self.linear:
+                    from kirigami.kernel import full_hessian
+
+                    at_start = kernel.evaluate(at_rest, step.lam, 2)
+                    gradient = at_start.gradient
+                    if kernel.pairs != ():
+                        block = full_hessian(kernel, at_start)
+                        gradient = gradient + np.einsum("nklab,nlb->nka", block, step.u[kernel.conn][..., : self.dim])
+                else:
+                    gradient = self._at(kernel, step, lambda x: kernel.evaluate(x, step.lam, 1)).gradient  # noqa: B023
+                scatter_add(target, kernel.conn, gradient)
+            field_[:, : self.dim] = target
+        return total
+
+    def reaction(self, nodes: Node | int | Iterable[Node | int], axis: str | None = None) -> Array:
+        """Force of the support on the structure, summed over nodes.
+
+        Parameters
+        ----------
+        nodes : Node, int, or sequence of them
+            The supported nodes.
+        axis : {"x", "y", "z"}, optional
+            One component; None gives all three.
+
+        Returns
+        -------
+        ndarray, shape (s,) or (s, 3)
+            Force [force] at each step.
+
+        Raises
+        ------
+        ModelError
+            Empty selection, nodes that are not in the model, or an unknown axis.
+        """
+        total = self._gradients[:, self.node_index(nodes)].sum(axis=1)
+        if axis is None:
+            return total
+        if axis not in tuple(AXES):
+            raise ModelError(f"reaction: axis must be 'x', 'y' or 'z', got {axis!r}")
+        return total[:, AXES.index(axis)]
+
+    @cached_property
+    def energy(self) -> dict[str, Array]:
+        """Stored energy [force length] by kind of kernel, each (s,): "bars", "hinges", "springs", ..."""
+        totals: dict[str, Array] = {}
+        for kernel in self.kernels:
+            if kernel.pairs == ():
+                continue
+            if self.linear:
+                values = [self._linear_energy(kernel, step) for step in self.steps]
+            else:
+                values = [
+                    float(self._at(kernel, step, lambda x: kernel.evaluate(x, step.lam, 0)).energy.sum())  # noqa: B023
+                    for step in self.steps
+                ]
+            totals[kernel.name] = totals.get(kernel.name, np.zeros(len(self.steps))) + np.array(values)
+        return totals
+
+    def _linear_energy(self, kernel: Kernel, step: Step) -> float:
+        from kirigami.kernel import full_hessian
+
+        rest = self.rest[:, : self.dim]
+        start = kernel.evaluate(Configuration(rest, np.zeros_like(rest)), step.lam, 2)
+        assert start.gradient is not None
+        u = step.u[kernel.conn][..., : self.dim]
+        second = 0.5 * np.einsum("nka,nklab,nlb->", u, full_hessian(kernel, start), u)
+        return float(start.energy.sum() + (start.gradient * u).sum() + second)
+
+    def _members(self, name: str, quantity: str) -> Array:
+        kernels = [kernel for kernel in self.kernels if kernel.name == name]
+        count = sum(len(kernel.conn) for kernel in kernels)
+        values = np.zeros((len(self.steps), count))
+        for kernel in kernels:
+            at = slice(None) if kernel.members is None else kernel.members
+            for row, step in zip(values, self.steps):
+                deformation = self._deformation(kernel, step)
+                row[at] = kernel.force(deformation) if quantity == "force" else deformation  # type: ignore[attr-defined]
+        return values
+
+    @cached_property
+    def bar_strain(self) -> Array:
+        """Strain (s, bars) in the measure of each bar, in the order the bars were added."""
+        return self._members("bars", "deformation")
+
+    @property
+    def bar_force(self) -> Array:
+        """Axial force (s, bars) [force], positive in tension."""
+        return self._members("bars", "force")
+
+    @cached_property
+    def hinge_angle(self) -> Array:
+        """Unwrapped angle (s, hinges) [rad]; 0 is flat."""
+        return self._members("hinges", "deformation")
+
+    @property
+    def hinge_moment(self) -> Array:
+        """Moment (s, hinges) [force length]."""
+        return self._members("hinges", "force")
+
+    @cached_property
+    def spring_angle(self) -> Array:
+        """Unwrapped angle (s, springs) [rad] of the three-node springs."""
+        return self._members("springs", "deformation")
+
+    @property
+    def spring_moment(self) -> Array:
+        """Moment (s, springs) [force length] of the three-node springs."""
+        return self._members("springs", "force")
+
+    # ---- shape
+
+    def open_area(self, union: bool = False) -> Array:
+        """Projected area of the cut openings [length^2].
+
+        Parameters
+        ----------
+        union : bool
+            False: each cut by itself, (s, cuts). True: area of their union, (s,).
+
+        Raises
+        ------
+        AnalysisError
+            The model was not made from a mesh.
+        """
+        from kirigami.post.opening import open_area
+
+        if self.mesh is None:
+            raise AnalysisError("open_area needs a model made by Model.from_mesh", results=self)
+        return open_area(self.position(), self.mesh.cuts, union=union)
+
+    # ---- looking
+
+    def plot(self, *args: Any, **options: Any) -> Any:
+        """Draw the deformed structure; returns matplotlib axes (see :func:`kirigami.plot.plot_results`)."""
+        from kirigami.plot import plot_results
+
+        return plot_results(self, *args, **options)
+
+    def plot_curve(self, *args: Any, **options: Any) -> Any:
+        """Draw force over displacement; returns matplotlib axes (see :func:`kirigami.plot.plot_curve`)."""
+        from kirigami.plot import plot_curve
+
+        return plot_curve(self, *args, **options)
+
+    def animate(self, path: str | os.PathLike[str], **options: Any) -> Path:
+        """Write an animation of the deformation as a GIF (see :func:`kirigami.plot.animate`)."""
+        from kirigami.plot import animate
+
+        return animate(self, path, **options)
+
+    def to_vtk(self, folder: str | os.PathLike[str]) -> list[Path]:
+        """Write a VTK series that ParaView animates (see :func:`kirigami.io.vtk.write_vtk`)."""
+        from kirigami.io.vtk import write_vtk
+
+        return write_vtk(self, folder)
+
+    def to_xarray(self) -> Any:
+        """The results as an xarray.Dataset (see :func:`kirigami.io.table.to_xarray`)."""
+        from kirigami.io.table import to_xarray
+
+        return to_xarray(self)
+
+    def summary(self) -> str:
+        """What was computed, how it went, and where the time went, as text."""
+        stats = self.stats
+        unknowns = int(np.count_nonzero(~self.constrained))
+        lines = [f"{self.name or 'model'}: {len(self.rest)} nodes in {self.dim}D, {unknowns} unknowns"]
+        if self.steps:
+            stable = int(np.count_nonzero(self.stable))
+            lines.append(
+                f"{len(self.steps)} stored steps, load factor {self.steps[0].lam:.6g} to {self.steps[-1].lam:.6g}, "
+                f"{stable} stable, largest relative residual {np.nanmax(self.residual):.1e}"
+            )
+        lines.append(
+            f"{stats['iterations']} iterations, {stats['factorizations']} factorizations ({stats['backend'] or 'none'}), "
+            f"{stats['cutbacks']} cutbacks"
+        )
+        lines += [f"event: {event}" for event in self.events]
+        seconds = stats["seconds"]
+        total = seconds.get("total", sum(seconds.values()))
+        parts = sorted(((name, value) for name, value in seconds.items() if name != "total"), key=lambda p: -p[1])
+        lines.append(f"{total:.2f} s: " + ", ".join(f"{name} {value:.2f}" for name, value in parts))
+        return "\n".join(lines)
+
+    def __repr__(self) -> str:
+        span = f", load factor {self.steps[0].lam:.6g} to {self.steps[-1].lam:.6g}" if self.steps else ""
+        return f"<Results of {self.name or 'model'}: {len(self.steps)} steps{span}, {len(self.events)} events>"
+
+    def _repr_html_(self) -> str:
+        return "<pre>" + self.summary().replace("<", "&lt;") + "</pre>"
+
+    # ---- files
+
+    def save(self, path: str | os.PathLike[str]) -> Path:
+        """Write everything to one compressed file that :func:`kirigami.load` reads back.
+
+        The file is written under another name and then renamed, so that no broken file is left behind.
+        """
+        target = Path(path)
+        arrays: dict[str, Array] = {"rest": self.rest, "constrained": self.constrained, "u": self.u, "lam": self.lam}
+        kernels = []
+        for position, kernel in enumerate(self.kernels):
+            plain: dict[str, Any] = {}
+            for key, value in kernel.arrays().items():
+                if isinstance(value, np.ndarray):
+                    arrays[f"kernel{position}.{key}"] = value
+                else:
+                    plain[key] = value
+            kernels.append({"module": type(kernel).__module__, "class": type(kernel).__name__, "values": plain})
+            if self.steps and all(len(s.history) > position and s.history[position] is not None for s in self.steps):
+                arrays[f"history{position}"] = np.array([step.history[position] for step in self.steps])
+        head = {
+            "format": FORMAT,
+            "name": self.name,
+            "dim": self.dim,
+            "linear": self.linear,
+            "kernels": kernels,
+            "stats": self.stats,
+            "steps": [
+                [s.negative, s.residual, s.residual_over_reaction, s.iterations, s.stage] for s in self.steps
+            ],
+            "events": [[e.kind, e.lam, e.step, e.message, list(e.bracket)] for e in self.events],
+            "mesh": None,
+        }
+        for position, event in enumerate(self.events):
+            if event.u is not None:
+                arrays[f"event{position}"] = event.u
+        if self.mesh is not None:
+            head["mesh"] = {
+                "sets": list(self.mesh.sets),
+                "cuts": [[list(cut.members), bool(cut.open)] for cut in self.mesh.cuts],
+            }
+            arrays["mesh.nodes"], arrays["mesh.triangles"] = self.mesh.nodes, self.mesh.triangles
+            for position, nodes in enumerate(self.mesh.sets.values()):
+                arrays[f"mesh.set{position}"] = nodes
+            for position, cut in enumerate(self.mesh.cuts):
+                arrays[f"mesh.cut{position}"] = np.asarray(cut.loop)
+        target.parent.mkdir(parents=True, exist_ok=True)
+        unfinished = target.with_name(target.name + ".part")
+        try:
+            with open(unfinished, "wb") as file:
+                np.savez_compressed(file, head=np.array(json.dumps(head)), **arrays)
+            os.replace(unfinished, target)
+        finally:
+            unfinished.unlink(missing_ok=True)
+        return target
+
+
+def load(path: str | os.PathLike[str]) -> Results:
+    """Read results that :meth:`Results.save` wrote.
+
+    Parameters
+    ----------
+    path : path
+        The file.
+
+    Returns
+    -------
+    Results
+        As saved; nodes are addressed by index, since the model itself is not stored.
+
+    Raises
+    ------
+    AnalysisError
+        No such file, or not a results file of a known version.
+    """
+    try:
+        with np.load(path, allow_pickle=False) as file:
+            data = {key: file[key] for key in file.files}
+        head = json.loads(str(data["head"]))
+        version = head["format"]
+    except FileNotFoundError:
+        raise AnalysisError(f"no results file at {path}") from None
+    except (OSError, ValueError, KeyError, EOFError, TypeError) as error:
+        raise AnalysisError(f"{path} is not a results file of this package, or it is damaged ({error})") from None
+    except Exception as error:  # zipfile.BadZipFile and zlib.error, without importing either for it
+        raise AnalysisError(f"{path} is damaged ({error})") from None
+    if version != FORMAT:
+        raise AnalysisError(f"{path} has file format {version}, this version of kirigami reads format {FORMAT}")
+    try:
+        return _rebuild(head, data)
+    except (KeyError, IndexError, TypeError, ValueError) as error:
+        raise AnalysisError(f"{path} is damaged or incomplete ({error!r})") from None
+
+
+def _rebuild(head: dict[str, Any], data: dict[str, Any]) -> Results:
+    results = Results.__new__(Results)
+    results.model = None
+    results.name, results.dim, results.linear = head["name"], head["dim"], head["linear"]
+    results.rest, results.constrained, results.stats = data["rest"], data["constrained"], head["stats"]
+    results.mesh = None
+    results.kernels = []
+    rest = np.ascontiguousarray(results.rest[:, : results.dim])
+    for position, entry in enumerate(head["kernels"]):
+        prefix = f"kernel{position}."
+        values = {key[len(prefix) :]: value for key, value in data.items() if key.startswith(prefix)}
+        if entry["module"].split(".")[0] != "kirigami":
+            raise AnalysisError(
+                f"the results hold a kernel of {entry['module']}, which this package does not import from a file"
+            )
+        cls = getattr(importlib.import_module(entry["module"]), entry["class"])
+        results.kernels.append(cls(rest, **values, **entry["values"]))
+    results.steps = []
+    for index, (negative, residual, over_reaction, iterations, stage) in enumerate(head["steps"]):
+        history = tuple(
+            data[f"history{position}"][index] if f"history{position}" in data else None
+            for position in range(len(results.kernels))
+        )
+        results.steps.append(
+            Step(
+                float(data["lam"][index]), data["u"][index], negative, residual, over_reaction, iterations, history, stage
+            )
+        )
+    results.events = [
+        Event(kind, lam, step, message, (bracket[0], bracket[1]), data.get(f"event{position}"))
+        for position, (kind, lam, step, message, bracket) in enumerate(head["events"])
+    ]
+    if head["mesh"] is not None:
+        from kirigami.geometry.mesh import CutLoop, TriMesh
+
+        sets = {name: data[f"mesh.set{position}"] for position, name in enumerate(head["mesh"]["sets"])}
+        cuts = [
+            CutLoop(data[f"mesh.cut{position}"], tuple(members), is_open)
+            for position, (members, is_open) in enumerate(head["mesh"]["cuts"])
+        ]
+        results.mesh = TriMesh(data["mesh.nodes"], data["mesh.triangles"], sets, cuts=cuts)
+    return results

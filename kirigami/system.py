@@ -1,0 +1,455 @@
+"""System: a model lowered once into kernels, numbered, constrained and ready to be assembled.
+
+Unknowns are the free displacements q; every displacement is u = T q + lam * drive + held, where T only picks (ties
+make several displacements pick the same unknown). Assembly goes through node blocks: each Hessian block of each
+kernel adds to the block of its node pair (lower number first), and the reduced matrix picks its entries from there.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from kirigami.constraints import AXES
+from kirigami.errors import MechanismError, ModelError
+from kirigami.kernel import Array, Configuration, Kernel
+from kirigami.model import Model, Numbering
+
+Index = NDArray[np.int64]
+
+
+class Clock:
+    """Seconds and counts per part, so that cost can be explained."""
+
+    def __init__(self) -> None:
+        self.seconds: dict[str, float] = {}
+        self.counts: dict[str, int] = {}
+
+    @contextmanager
+    def __call__(self, part: str) -> Iterator[None]:
+        start = time.perf_counter()
+        try:
+            yield
+        finally:
+            self.seconds[part] = self.seconds.get(part, 0.0) + time.perf_counter() - start
+            self.counts[part] = self.counts.get(part, 0) + 1
+
+
+class System:
+    """The lowered form of a model.
+
+    Parameters
+    ----------
+    model : Model
+        Lowered as it stands now; using the system after the model was edited raises a ModelError.
+
+    Attributes
+    ----------
+    kernels : list of Kernel
+        Everything that makes force.
+    rest : ndarray, shape (n, dim)
+        Node positions without displacement.
+    free : int
+        Number of unknowns.
+    length, stiffness_scale : float
+        Median member length and stiffness, by which tolerances are made dimensionless.
+
+    Raises
+    ------
+    ModelError
+        No nodes or elements, dangling nodes, constraints in conflict, members without length or height.
+
+    Examples
+    --------
+    >>> import kirigami as kg
+    >>> m = kg.Model(dim=2)
+    >>> a, b = m.add(kg.Node(0, 0), kg.Node(2, 0))
+    >>> objects = m.add(kg.Bar(a, b, EA=10.0), kg.Fix(a), kg.Fix(b, "y"))
+    >>> float(kg.System(m).stiffness().toarray()[0, 0])
+    5.0
+    """
+
+    def __init__(self, model: Model) -> None:
+        if not model.nodes:
+            raise ModelError("the model has no nodes: add nodes and elements before an analysis")
+        if not model.elements:
+            raise ModelError("the model has no elements: add bars, hinges or springs before an analysis")
+        self.model = model
+        self.version = model.version
+        self.clock = Clock()
+        with self.clock("lowering"):
+            numbering = Numbering(model)
+            self.dim = numbering.dim
+            self.rest = numbering.rest
+            self.size = numbering.size
+            self.kernels = self._lower(numbering)
+            self._number(numbering)
+            self._check_dangling(numbering)
+            self._measure()
+        self._blocks_plan: _BlockPlan | None = None
+        self._pick_plan: _PickPlan | None = None
+
+    # ---- lowering
+
+    @staticmethod
+    def _lower(numbering: Numbering) -> list[Kernel]:
+        by_type: dict[type, list[Any]] = {}
+        for item in numbering.model.objects:
+            by_type.setdefault(type(item), []).append(item)
+        return [kernel for cls, items in by_type.items() for kernel in cls.lower(items, numbering)]
+
+    def _number(self, numbering: Numbering) -> None:
+        """Number the unknowns and resolve ties into a leader and an offset for each displacement."""
+        dofs = self.rest.size
+        leader = np.arange(dofs)
+        fixed = np.zeros(dofs, dtype=bool)
+        drive, held = np.zeros(dofs), np.zeros(dofs)
+        owner: Index = np.full(dofs, -1)
+        constraints = numbering.model.constraints
+        for position, item in enumerate(constraints):
+            nodes = numbering.index(item.group)
+            leaders = numbering.index(item.leaders)
+            axes = [axis for axis in item.values if AXES.index(axis) < self.dim]
+            if not axes:
+                raise ModelError(f"{item!r} constrains only z, but the model has dim=2")
+            for axis in axes:
+                at = nodes * self.dim + AXES.index(axis)
+                self._check_conflict(at, axis, item, owner, constraints, numbering)
+                owner[at] = position
+                (held if item.constant else drive)[at] = item.values[axis]
+                if item.leaders:
+                    leader[at] = leaders * self.dim + AXES.index(axis)
+                else:
+                    fixed[at] = True
+        for _ in range(dofs):
+            following = np.flatnonzero(leader[leader] != leader)
+            if not following.size:
+                break
+            ahead = leader[following]
+            drive[following] += drive[ahead]
+            held[following] += held[ahead]
+            leader[following] = leader[ahead]
+            if np.any(leader[following] == following):
+                dof = int(following[leader[following] == following][0])
+                node = numbering.model.nodes[dof // self.dim]
+                raise ModelError(f"ties go round in a circle at {numbering.describe(node)} along {AXES[dof % self.dim]}")
+        tied = np.flatnonzero(leader != np.arange(dofs))
+        drive[tied] += drive[leader[tied]]
+        held[tied] += held[leader[tied]]
+        fixed |= fixed[leader]
+        unknown = np.full(dofs, -1)
+        heads = np.flatnonzero(~fixed & (leader == np.arange(dofs)))
+        unknown[heads] = np.arange(heads.size)
+        self.unknown: Index = np.where(fixed, -1, unknown[leader])  # unknown of each displacement, -1 where known
+        self.heads = heads
+        self.free = int(heads.size)
+        self.drive = drive
+        self.held = held
+        self.constrained = owner.reshape(-1, self.dim) >= 0
+
+    @staticmethod
+    def _check_conflict(
+        at: Index, axis: str, item: Any, owner: Index, constraints: list[Any], numbering: Numbering
+    ) -> None:
+        clash = at[owner[at] >= 0]
+        if clash.size:
+            node = numbering.model.nodes[int(clash[0]) // numbering.dim]
+            raise ModelError(
+                f"{item!r} and {constraints[int(owner[clash[0]])]!r} both constrain {axis} of "
+                f"{numbering.describe(node)} ({clash.size} such in all): constrain each displacement once"
+            )
+        values, counts = np.unique(at, return_counts=True)
+        if np.any(counts > 1):
+            node = numbering.model.nodes[int(values[counts > 1][0]) // numbering.dim]
+            raise ModelError(f"{item!r} lists {numbering.describe(node)} twice")
+
+    def _check_dangling(self, numbering: Numbering) -> None:
+        touched = np.zeros(len(self.rest), dtype=bool)
+        for kernel in self.kernels:
+            if kernel.pairs != ():
+                touched[kernel.conn.ravel()] = True
+        moving = np.zeros(self.free, dtype=bool)
+        unknown = self.unknown.reshape(self.rest.shape)
+        moving[unknown[touched][unknown[touched] >= 0]] = True
+        loose = np.flatnonzero(np.any((unknown >= 0) & ~moving[unknown], axis=1))
+        if loose.size:
+            node = numbering.model.nodes[int(loose[0])]
+            raise ModelError(
+                f"{loose.size} dangling node(s) that no element holds, the first {numbering.describe(node)}: "
+                "remove them, connect them or fix them"
+            )
+
+    def _measure(self) -> None:
+        """Median member length and stiffness."""
+        lengths, stiffness = [], []
+        for kernel in self.kernels:
+            if kernel.pairs == ():
+                continue
+            corner = self.rest[kernel.conn[:, :2]]
+            lengths.append(np.linalg.norm(corner[:, 1] - corner[:, 0], axis=1))
+            if kernel.conn.shape[1] == 2:
+                hessian = kernel.evaluate(self.configuration(np.zeros_like(self.rest)), 0.0, 2).hessian
+                assert hessian is not None
+                stiffness.append(np.einsum("naa->n", hessian[:, 0]))
+        self.length = float(np.median(np.concatenate(lengths))) if lengths else self.size
+        self.stiffness_scale = float(np.median(np.concatenate(stiffness))) if stiffness else 1.0
+
+    def check_version(self) -> None:
+        """Refuse to answer for a model that has changed since."""
+        if self.model.version != self.version:
+            raise ModelError("the model was edited after this System was made: make a new System or analysis")
+
+    # ---- unknowns and displacements
+
+    def displacement(self, q: Array, lam: float) -> Array:
+        """Displacements (n, dim) for unknowns `q` (free,) at load factor `lam`."""
+        u = lam * self.drive + self.held
+        moving = self.unknown >= 0
+        u[moving] += q[self.unknown[moving]]
+        return u.reshape(self.rest.shape)
+
+    def unknowns(self, u: Array) -> Array:
+        """Unknowns (free,) of displacements `u` (n, dim or 3)."""
+        flat = np.asarray(u, dtype=float)[:, : self.dim].ravel()
+        return flat[self.heads].copy()
+
+    def constraint_error(self, u: Array, lam: float) -> float:
+        """Largest violation [length] of the constraints by displacements `u` (n, dim or 3)."""
+        expected = self.displacement(self.unknowns(u), lam)
+        return float(np.abs(np.asarray(u)[:, : self.dim] - expected).max(initial=0.0))
+
+    def configuration(self, u: Array) -> Configuration:
+        return Configuration(self.rest, np.asarray(u, dtype=float)[:, : self.dim])
+
+    def reduce(self, full: Array) -> Array:
+        """Sum a force-like field (n, dim) onto the unknowns (free,)."""
+        moving = self.unknown >= 0
+        return np.bincount(self.unknown[moving], weights=full.ravel()[moving], minlength=self.free)
+
+    # ---- evaluation
+
+    def energies(self, u: Array, lam: float = 0.0) -> dict[str, float]:
+        """Energy of each kind of kernel at displacements `u` (n, dim or 3)."""
+        x = self.configuration(u)
+        totals: dict[str, float] = {}
+        for kernel in self.kernels:
+            totals[kernel.name] = totals.get(kernel.name, 0.0) + float(kernel.evaluate(x, lam, 0).energy.sum())
+        return totals
+
+    def forces(self, u: Array, lam: float) -> tuple[Array, float]:
+        """Gradient of the potential (n, dim), and the root sum of squares of the unassembled forces."""
+        x = self.configuration(u)
+        total = np.zeros(self.rest.shape)
+        squares = 0.0
+        for kernel in self.kernels:
+            with self.clock(kernel.name):
+                gradient = kernel.evaluate(x, lam, 1).gradient
+            assert gradient is not None
+            with self.clock("assembly"):
+                squares += float(np.einsum("nka,nka->", gradient, gradient))
+                scatter_add(total, kernel.conn, gradient)
+        return total, float(np.sqrt(squares))
+
+    def gradient(self, u: ArrayLike, lam: float = 0.0) -> Array:
+        """Gradient of the total potential (n, 3) at displacements `u` (n, 3): internal minus external forces."""
+        self.check_version()
+        total = np.zeros((len(self.rest), 3))
+        total[:, : self.dim] = self.forces(np.asarray(u, dtype=float), lam)[0]
+        return total
+
+    def load_rate(self, u: Array, lam: float, blocks: Array) -> Array:
+        """Change of the residual (free,) with the load factor at fixed unknowns."""
+        x = self.configuration(u)
+        rate = self.plan.multiply(blocks, self.drive.reshape(self.rest.shape)) if self.drive.any() else 0.0 * self.rest
+        for kernel in self.kernels:
+            if kernel.scaled:
+                after, before = kernel.evaluate(x, lam + 1.0, 1).gradient, kernel.evaluate(x, lam, 1).gradient
+                assert after is not None and before is not None
+                scatter_add(rate, kernel.conn, after - before)
+        return self.reduce(rate)
+
+    def stiffness_blocks(self, u: Array, lam: float) -> Array:
+        """Node blocks (dim, dim, blocks) of the Hessian of the potential."""
+        x = self.configuration(u)
+        plan = self.plan
+        total = np.zeros((self.dim, self.dim, 2 * plan.count))
+        for kernel, slots in zip(self.kernels, plan.slots):
+            if kernel.pairs == ():
+                continue
+            with self.clock(kernel.name):
+                hessian = kernel.evaluate(x, lam, 2).hessian
+            assert hessian is not None
+            with self.clock("assembly"):
+                if kernel.pairs is None:  # all k * k blocks given: the upper ones say it all
+                    first, second = np.triu_indices(kernel.conn.shape[1])
+                    hessian = hessian[:, first, second]
+                by_component = hessian.transpose(2, 3, 1, 0)
+                for a in range(self.dim):
+                    for b in range(self.dim):
+                        total[a, b] += np.bincount(slots, by_component[a, b].ravel(), 2 * plan.count)
+        # Contributions whose first node has the higher number were collected apart, to be transposed here.
+        return total[:, :, : plan.count] + total[:, :, plan.count :].swapaxes(0, 1)
+
+    def matrix(self, blocks: Array) -> Any:
+        """Reduced stiffness matrix, scipy CSC (free, free), of assembled blocks."""
+        with self.clock("assembly"):
+            if self._pick_plan is None:
+                self._pick_plan = _PickPlan(self.plan, self.unknown, self.free, self.dim)
+            return self._pick_plan.matrix(blocks)
+
+    def stiffness(self, u: ArrayLike | None = None, lam: float = 0.0, constrained: bool = True) -> Any:
+        """Tangent stiffness as a scipy CSC matrix.
+
+        Parameters
+        ----------
+        u : array_like, shape (n, 3), optional
+            Displacements; None is the rest state.
+        lam : float
+            Load factor.
+        constrained : bool
+            True: over the unknowns (free, free). False: over all displacements, index dim * node + axis.
+        """
+        self.check_version()
+        state = np.zeros(self.rest.shape) if u is None else np.asarray(u, dtype=float)
+        blocks = self.stiffness_blocks(state, lam)
+        if constrained:
+            return self.matrix(blocks)
+        return _PickPlan(self.plan, np.arange(self.rest.size), self.rest.size, self.dim).matrix(blocks)
+
+    @property
+    def plan(self) -> _BlockPlan:
+        if self._blocks_plan is None:
+            with self.clock("assembly plan"):
+                self._blocks_plan = _BlockPlan(self.kernels, len(self.rest))
+        return self._blocks_plan
+
+    def largest_rotation(self, change: Array) -> float:
+        """Largest relative displacement of two joined nodes over their distance, for a change (n, dim)."""
+        low, high, distance = self.plan.links(self.rest)
+        turn = np.sqrt(((change[high] - change[low]) ** 2).sum(axis=1)) / distance
+        return float(turn.max(initial=0.0))
+
+    # ---- history
+
+    def commit(self, u: Array) -> None:
+        x = self.configuration(u)
+        for kernel in self.kernels:
+            kernel.commit(x)
+
+    def revert(self) -> None:
+        for kernel in self.kernels:
+            kernel.revert()
+
+    def linearize(self, u: Array | None, change: Array | None = None) -> None:
+        """See :meth:`Kernel.linearize`; without arguments, back to the exact stress."""
+        x = None if u is None else self.configuration(u)
+        for kernel in self.kernels:
+            kernel.linearize(x, change)
+
+    @property
+    def history(self) -> tuple[Array | None, ...]:
+        return tuple(None if kernel.history is None else kernel.history.copy() for kernel in self.kernels)
+
+    @history.setter
+    def history(self, values: tuple[Array | None, ...] | None) -> None:
+        for position, kernel in enumerate(self.kernels):
+            value = values[position] if values and position < len(values) else None
+            stored = kernel.history
+            kernel.history = value if stored is not None and value is not None and value.shape == stored.shape else None
+
+    # ---- supports
+
+    def check_supports(self) -> None:
+        """Raise a MechanismError that names every rigid motion the constraints leave to a connected part."""
+        from kirigami.mechanism import free_rigid_motions
+
+        found = free_rigid_motions(self)
+        if found:
+            motion, nodes, message = found
+            raise MechanismError(message, motion=motion, nodes=nodes)
+
+
+def scatter_add(target: Array, conn: Index, values: Array) -> None:
+    """Add member values (n, k, dim) to the rows (dim columns) of `target` that `conn` (n, k) names."""
+    flat = conn.ravel()
+    for axis in range(target.shape[1]):
+        target[:, axis] += np.bincount(flat, weights=values[:, :, axis].ravel(), minlength=len(target))
+
+
+class _BlockPlan:
+    """Which node block each Hessian block of each kernel adds to."""
+
+    def __init__(self, kernels: list[Kernel], nodes: int) -> None:
+        diagonal = np.arange(nodes)
+        codes = [diagonal * nodes + diagonal]
+        flips = []
+        for kernel in kernels:
+            k = kernel.conn.shape[1]
+            pairs = np.array(np.triu_indices(k)).T if kernel.pairs is None else np.array(kernel.pairs, dtype=int).reshape(-1, 2)
+            first, second = kernel.conn.T[pairs[:, 0]].ravel(), kernel.conn.T[pairs[:, 1]].ravel()
+            codes.append(np.minimum(first, second) * nodes + np.maximum(first, second))
+            flips.append(first > second)
+        unique, inverse = np.unique(np.concatenate(codes), return_inverse=True)
+        self.count = len(unique)
+        self.low, self.high = unique // nodes, unique % nodes
+        sections = np.cumsum([len(code) for code in codes])[:-1]
+        self.slots = [
+            slots + flip * self.count for slots, flip in zip(np.split(inverse, sections)[1:], flips)
+        ]
+
+    def links(self, rest: Array) -> tuple[Index, Index, Array]:
+        """Joined node pairs and their distance."""
+        off = self.low != self.high
+        low, high = self.low[off], self.high[off]
+        distance = np.linalg.norm(rest[high] - rest[low], axis=1)
+        apart = distance > 0
+        return low[apart], high[apart], distance[apart]
+
+    def multiply(self, blocks: Array, vector: Array) -> Array:
+        """Product of the symmetric block matrix with a field (n, dim)."""
+        product = np.zeros_like(vector)
+        off = self.low != self.high
+        upper = np.einsum("abn,nb->na", blocks, vector[self.high])
+        lower = np.einsum("ban,nb->na", blocks[:, :, off], vector[self.low[off]])
+        scatter_add(product, self.low[:, None], upper[:, None])
+        scatter_add(product, self.high[off][:, None], lower[:, None])
+        return product
+
+
+class _PickPlan:
+    """Which entries of the node blocks make up each entry of the reduced CSC matrix."""
+
+    def __init__(self, plan: _BlockPlan, unknown: Index, size: int, dim: int) -> None:
+        block = np.arange(plan.count)
+        rows, columns, sources = [], [], []
+        for a in range(dim):
+            for b in range(dim):
+                row, column = unknown[plan.low * dim + a], unknown[plan.high * dim + b]
+                source = (a * dim + b) * plan.count + block
+                off = plan.low != plan.high
+                rows += [row, column[off]]
+                columns += [column, row[off]]
+                sources += [source, source[off]]
+        row, column, source = np.concatenate(rows), np.concatenate(columns), np.concatenate(sources)
+        kept = (row >= 0) & (column >= 0)
+        code = column[kept] * size + row[kept]
+        order = np.argsort(code, kind="stable")
+        code, self.source = code[order], source[kept][order]
+        new = np.flatnonzero(np.diff(code, prepend=-1))
+        self.starts = None if len(new) == len(code) else new  # ties put several entries in one place
+        self.indices = (code[new] % size).astype(np.int32)
+        self.indptr = np.searchsorted(code[new], np.arange(size + 1) * size).astype(np.int32)
+        self.size = size
+
+    def matrix(self, blocks: Array) -> Any:
+        from scipy.sparse import csc_matrix
+
+        data = blocks.reshape(-1)[self.source]
+        if self.starts is not None:
+            data = np.add.reduceat(data, self.starts) if len(data) else data
+        return csc_matrix((data, self.indices, self.indptr), shape=(self.size, self.size))
