@@ -76,7 +76,9 @@ class Kernel:
     pairs: tuple[tuple[int, int], ...] | None = None
     scaled: bool = False
     conn: NDArray[np.int64]
+    anchored: bool = False  # True where rigid motions of its members cost energy, as for a support
     members: NDArray[np.int64] | None = None
+    convexity: float = 0.0  # 0: the exact Hessian; 1: a positive semi-definite one; between: their mixture
 
     def evaluate(self, x: Array, lam: float = 1.0, need: int = 2) -> Contribution:
         """Energy (need 0), also the gradient (need 1), also the Hessian (need 2) at positions `x` (n_nodes, dim)."""

@@ -8,7 +8,7 @@ import numpy as np
 
 from kirigami.constraints import AXES
 from kirigami.errors import MechanismError
-from kirigami.kernel import Array
+from kirigami.kernel import Array, full_hessian
 from kirigami.linalg import Factor, SingularMatrixError, factorize
 
 if TYPE_CHECKING:
@@ -71,7 +71,8 @@ def free_rigid_motions(system: System) -> tuple[str, list[int], str] | None:
         # Coordinates in an orthonormal basis of the part's true motions (a straight chain has no spin of its own).
         coordinates = motions @ basis[:rank].T
         violation = np.linalg.lstsq(coordinates, (full - allowed)[:, at], rcond=None)[0]
-        _, held, directions = np.linalg.svd(violation.T, full_matrices=False)
+        rows = [violation.T, _resistance(system, basis[:rank], at)]
+        _, held, directions = np.linalg.svd(np.concatenate(rows), full_matrices=False)
         free = directions[held <= 1e-9]
         if not len(free):
             continue
@@ -96,6 +97,22 @@ def free_rigid_motions(system: System) -> tuple[str, list[int], str] | None:
     return None
 
 
+def _resistance(system: System, motions: Array, at: Array) -> Array:
+    """Rows whose squares sum to the energy that anchored kernels put against `motions` (m, dofs `at` of the part)."""
+    full = np.zeros((len(motions), system.rest.size))
+    full[:, at] = motions
+    fields = full.reshape(len(motions), -1, system.dim)
+    rest = system.configuration(np.zeros_like(system.rest))
+    energy = np.zeros((len(motions), len(motions)))
+    for kernel in system.kernels:
+        if kernel.anchored:
+            hessian = full_hessian(kernel, kernel.evaluate(rest, 0.0, 2))
+            members = fields[:, kernel.conn]
+            energy += np.einsum("pnka,nklab,qnlb->pq", members, hessian, members)
+    values, vectors = np.linalg.eigh(energy / system.stiffness_scale)
+    return np.sqrt(np.maximum(values, 0.0))[:, None] * vectors.T
+
+
 def check_floppy(system: System, matrix: Any, factor: Factor | None) -> None:
     """Raise a MechanismError, in words, if some motion of the unknowns costs no energy.
 
@@ -118,7 +135,9 @@ def check_floppy(system: System, matrix: Any, factor: Factor | None) -> None:
             return
         vector /= largest
     one_by_one = float(np.abs(vector) @ (abs(matrix) @ np.abs(vector)))
-    if abs(float(vector @ (matrix @ vector))) > FREE * one_by_one:
+    # The second bound serves motions of displacements that have no stiffness at all, so that both sides vanish.
+    none_at_all = 1e-6 * float(vector @ vector) * system.stiffness_scale
+    if abs(float(vector @ (matrix @ vector))) > FREE * max(one_by_one, none_at_all):
         return
     shape = system.displacement(vector, 0.0) - system.displacement(np.zeros_like(vector), 0.0)
     motion, nodes = describe_motion(system, shape)

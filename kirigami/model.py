@@ -294,7 +294,8 @@ class Model:
         """Freeze what drives the model at its value in `step` and start the load factor from zero again.
 
         Prescribed displacements and loads become constant ones at ``step.lam`` times their value, so that a next
-        stage (fold, then stretch) can add its own drive and go on with ``start=step``.
+        stage (fold, then stretch) can add its own drive and go on with ``start=step``. A constraint that the step
+        does not meet is brought to its place in proportion to the load factor, so it holds at load factor 1.
 
         Parameters
         ----------

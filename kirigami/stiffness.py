@@ -148,8 +148,9 @@ def clamp_kernels(groups: Sequence[Sequence[Node]], numbering: Numbering) -> lis
         return []
     edges = np.array(sorted(chosen))
     conn = np.column_stack([mesh.edge_wings[edges, 0], mesh.edges[edges]])
-    # The facet and its mirror image turn by phi each: half the energy of k (2 phi)^2 / 2, so 2 k phi^2 / 2.
-    return [ClampHingeKernel(numbering.rest, conn, 2 * rigidity[edges])]
+    # The facet and its mirror image turn by phi each: half the energy of k (2 phi)^2 / 2 with k = D L^2 / (2 A), in all
+    # (D L^2 / A) phi^2 / 2, and D L^2 / A is what the formula gives for an edge with one facet.
+    return [ClampHingeKernel(numbering.rest, conn, rigidity[edges])]
 
 
 class ClampHingeKernel(Kernel):
@@ -160,6 +161,7 @@ class ClampHingeKernel(Kernel):
     """
 
     name = "clamps"
+    anchored = True
 
     def __init__(
         self, rest: Array, conn: NDArray[np.int64], stiffness: Array, members: NDArray[np.int64] | None = None
@@ -202,6 +204,7 @@ class ClampHingeKernel(Kernel):
         return self._hinge.deformation(self._points(x))
 
     def evaluate(self, x: Array, lam: float = 1.0, need: int = 2) -> Contribution:
+        self._hinge.convexity = self.convexity
         part = self._hinge.evaluate(self._points(x), lam, need)
         if part.gradient is None:
             return part

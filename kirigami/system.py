@@ -223,6 +223,13 @@ class System:
         expected = self.displacement(self.unknowns(u), lam)
         return float(np.abs(np.asarray(u)[:, : self.dim] - expected).max(initial=0.0))
 
+    def start_stage(self, u: Array) -> None:
+        """Let a new stage begin at displacements `u`: what the constraints have elsewhere at load factor 0 is brought
+        to its place in proportion to the load factor."""
+        ahead = (np.asarray(u)[:, : self.dim] - self.displacement(self.unknowns(u), 0.0)).ravel()
+        self.held = self.held + ahead
+        self.drive = self.drive - ahead
+
     def configuration(self, u: Array) -> Configuration:
         return Configuration(self.rest, np.asarray(u, dtype=float)[:, : self.dim])
 
@@ -261,6 +268,16 @@ class System:
         total = np.zeros((len(self.rest), 3))
         total[:, : self.dim] = self.forces(np.asarray(u, dtype=float), lam)[0]
         return total
+
+    def potential_rate(self, u: Array, lam: float) -> float:
+        """Change of the total potential with the load factor at an equilibrium: what the drive works."""
+        x = self.configuration(u)
+        rate = float((self.forces(u, lam)[0].ravel() * self.drive).sum())
+        for kernel in self.kernels:
+            if kernel.scaled:
+                after, before = kernel.evaluate(x, lam + 1.0, 0).energy, kernel.evaluate(x, lam, 0).energy
+                rate += float((after - before).sum())
+        return rate
 
     def load_rate(self, u: Array, lam: float, blocks: Array) -> Array:
         """Change of the residual (free,) with the load factor at fixed unknowns."""
@@ -350,6 +367,16 @@ class System:
         x = None if u is None else self.configuration(u)
         for kernel in self.kernels:
             kernel.linearize(x, change)
+
+    @property
+    def convexity(self) -> float:
+        """Share of the indefinite part of the Hessian that is faded out; see :attr:`Kernel.convexity`."""
+        return self.kernels[0].convexity
+
+    @convexity.setter
+    def convexity(self, share: float) -> None:
+        for kernel in self.kernels:
+            kernel.convexity = share
 
     @property
     def history(self) -> tuple[Array | None, ...]:

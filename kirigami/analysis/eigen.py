@@ -129,7 +129,7 @@ class Eigen(Analysis):
         shapes = np.zeros((self.n, len(system.rest), 3))
         for shape, vector in zip(shapes, vectors.T):
             shape[:, : system.dim] = system.displacement(vector, 0.0) - system.displacement(0 * vector, 0.0)
-            shape /= shape.ravel()[first_largest(shape.ravel())]
+            shape /= np.abs(shape).max() * np.sign(shape.ravel()[first_largest(shape.ravel())])
         self._finish(system, results)
         return Modes(values, shapes)
 

@@ -5,10 +5,16 @@ factorisation and two solves per iteration:
 
     dq = a + b dlam,   a = -K^-1 r,   b = -K^-1 dr/dlam,   dlam = -(g + g_q.a) / (g_lam + g_q.b)
 
-Two things carry it through the sharp corners of thin sheets. The geometric stiffness takes its bar stresses from the
-linear step just made instead of the position reached, where a rotation has pumped false stress into stiff bars
-(mixed-stress Newton: Magisano, Leonetti and Garcea, Comput. Methods Appl. Mech. Eng. 313 (2017)); the residual stays
-exact. And no correction may turn a member by more than a set angle.
+Three things carry it through the sharp corners of thin sheets; the residual stays exact in all of them:
+
+* Mixed stress. The geometric stiffness takes its bar stresses from the linear step just made instead of the position
+  reached, where a rotation has pumped false stress into stiff bars (Magisano, Leonetti and Garcea, Comput. Methods
+  Appl. Mech. Eng. 313 (2017)).
+* No correction may turn a member by more than a set angle.
+* Relaxation (``convex=True``). Where Newton fails, or finds an unstable equilibrium, the part of the Hessian that can
+  make it indefinite (compression in bars, moments in hinges) is faded out just as far as it takes for no pivot to be
+  negative. Every correction then runs downhill, and the exact tangent is back before convergence: what is found is a
+  stable equilibrium.
 """
 
 from __future__ import annotations
@@ -28,6 +34,8 @@ if TYPE_CHECKING:
 
 ROTATION_CAP = 0.3  # largest turn of a member in one correction [rad]
 DIVERGED = 1e6  # growth of the residual after which an attempt is hopeless
+CONVEXITY = 0.02, 3.0, 1.5  # least share faded out, growth while a pivot is negative, decay while none is
+PUSH = 0.05  # turn of a member by which an unstable equilibrium is pushed off along its mode [rad]
 
 
 @dataclass
@@ -49,6 +57,8 @@ class Attempt:
     iterations: int
     history: list[float] = field(default_factory=list)
     reason: str = ""
+    relaxed: bool = False
+    drift: float = 0.0
 
 
 @dataclass
@@ -67,17 +77,30 @@ def correct(
     start: State,
     tol: float,
     max_iterations: int,
-    first: Tangent | None = None,
     on_iteration: Callable[[], None] = lambda: None,
+    convex: bool = False,
 ) -> Attempt:
-    """Newton iterations from `start` until equilibrium and control hold.
+    """Newton iterations from `start` until equilibrium and control hold; with `convex`, to a stable equilibrium."""
+    try:
+        return _iterate(system, factorize, control, start, tol, max_iterations, on_iteration, convex)
+    finally:
+        system.linearize(None)
+        system.convexity = 0.0
 
-    `first` is the exact tangent at `start`, if it is at hand: its factor serves the first iteration.
-    """
-    q, lam = start.q.copy(), start.lam
+
+def _iterate(
+    system: System,
+    factorize: Callable[[Array], Factor],
+    control: Control,
+    start: State,
+    tol: float,
+    max_iterations: int,
+    on_iteration: Callable[[], None],
+    convex: bool,
+) -> Attempt:
+    q, lam, u = start.q.copy(), start.lam, start.u
     history: list[float] = []
-    factor: Factor | None = None
-    u = start.u
+    share = 0.0
     for iteration in range(max_iterations + 1):
         with np.errstate(all="ignore"):
             total, scale = system.forces(u, lam)
@@ -85,47 +108,78 @@ def correct(
         relative = float(np.linalg.norm(residual)) / scale if scale > 0 else 0.0
         gap, gap_q, gap_lam = control.equation(q, lam)
         history.append(relative)
-        state = State(q, lam, u)
+
+        def failed(reason: str) -> Attempt:
+            return Attempt(State(q, lam, u), False, relative, iteration, history, reason)  # noqa: B023
+
         if not np.isfinite(relative):
-            return Attempt(state, False, relative, iteration, history, "a member collapsed (forces are not finite)")
-        if relative <= tol and abs(gap) <= control.slack:
-            system.linearize(None)
-            return Attempt(state, True, relative, iteration, history)
+            return failed("a member collapsed (forces are not finite)")
+        converged = relative <= tol and abs(gap) <= control.slack
+        if converged and not convex:
+            return Attempt(State(q, lam, u), True, relative, iteration, history)
         if iteration == max_iterations:
-            break
-        if len(history) > 3 and relative > DIVERGED * min(history):
-            return Attempt(state, False, relative, iteration, history, "the residual grew without bound")
+            return failed("too many iterations")
+        if not convex and _hopeless(history):
+            return failed("the residual does not fall")
         try:
-            if iteration == 0 and first is not None:
-                factor, along = first.factor, first.rate
-            else:
+            if converged:
+                system.linearize(None)
+            blocks = system.stiffness_blocks(u, lam)
+            factor = factorize(blocks)
+            if converged:
+                if factor.negative == 0:
+                    return Attempt(State(q, lam, u), True, relative, iteration, history)
+                q = q + _push(system, factor, u, lam)
+                u = system.displacement(q, lam)
+                continue
+            while convex and factor.negative and share < 1.0:
+                share = min(1.0, max(share * CONVEXITY[1], CONVEXITY[0]))
+                system.convexity = share
                 blocks = system.stiffness_blocks(u, lam)
                 factor = factorize(blocks)
-                along = None
             with system.clock("solve"):
-                against = -factor.solve(residual) if relative > 0 else np.zeros_like(residual)
-                if along is None and (gap_q is not None or gap != 0):
+                step_q = -factor.solve(residual) if relative > 0 else np.zeros_like(residual)
+                step_lam = 0.0
+                if gap_q is not None or gap != 0:
                     along = -factor.solve(system.load_rate(u, lam, blocks))
+                    slope = gap_lam if gap_q is None else gap_lam + float(gap_q @ along)
+                    if slope == 0 or not np.isfinite(slope):
+                        return failed("the control does not act on the structure")
+                    step_lam = -(gap if gap_q is None else gap + float(gap_q @ step_q)) / slope
+                    step_q = step_q + step_lam * along
         except SingularMatrixError as error:
-            return Attempt(state, False, relative, iteration, history, str(error))
-        step_q, step_lam = against, 0.0
-        if along is not None:
-            slope = gap_lam if gap_q is None else gap_lam + float(gap_q @ along)
-            error = gap if gap_q is None else gap + float(gap_q @ against)
-            if slope == 0 or not np.isfinite(slope):
-                return Attempt(state, False, relative, iteration, history, "the control does not act on the structure")
-            step_lam = -error / slope
-            step_q = against + step_lam * along
+            return failed(str(error))
         change = system.displacement(q + step_q, lam + step_lam) - u
         turn = system.largest_rotation(change)
         if not np.isfinite(turn):
-            return Attempt(state, False, relative, iteration, history, "the correction is not finite")
-        if turn > ROTATION_CAP and iteration > 0:
-            factor_of_step = ROTATION_CAP / turn
-            step_q, step_lam, change = factor_of_step * step_q, factor_of_step * step_lam, factor_of_step * change
+            return failed("the correction is not finite")
+        if turn > ROTATION_CAP:
+            shortened = ROTATION_CAP / turn
+            step_q, step_lam, change = shortened * step_q, shortened * step_lam, shortened * change
         system.linearize(u, change)
         q, lam = q + step_q, lam + step_lam
         u = system.displacement(q, lam)
+        share = share / CONVEXITY[2] if share > 0.25 * CONVEXITY[0] else 0.0
+        system.convexity = share
         on_iteration()
-    system.linearize(None)
-    return Attempt(State(q, lam, u), False, history[-1], max_iterations, history, "too many iterations")
+    raise AssertionError("unreachable")
+
+
+def _hopeless(history: list[float]) -> bool:
+    """True where a Newton attempt is not worth more factorisations, judged from its residuals."""
+    if history[-1] > DIVERGED * min(history):
+        return True
+    if len(history) == 5:
+        return history[-1] > 0.3 * max(history[:2])
+    return len(history) > 6 and history[-1] > 0.1 * history[-3]
+
+
+def _push(system: System, factor: Factor, u: Array, lam: float) -> Array:
+    """A small move (free,) along the mode nearest to neutral, by inverse iteration; its first largest entry is positive."""
+    mode = np.random.default_rng(0).normal(size=system.free)
+    for _ in range(8):
+        mode = factor.solve(mode)
+        mode /= np.abs(mode).max()
+    mode *= np.sign(mode[np.argmax(np.abs(mode))])
+    change = system.displacement(mode, 0.0) - system.displacement(0 * mode, 0.0)
+    return mode * (PUSH / system.largest_rotation(change))

@@ -26,11 +26,19 @@ from kirigami.system import System
 
 Recorder = Callable[[Step], None]
 
-WANTED_ITERATIONS = 5  # increments grow or shrink towards this many corrections
+WANTED_ITERATIONS = 6  # increments grow or shrink towards this many corrections
 MAX_ITERATIONS = 14
+MAX_RELAXATION = 120
+CUTS_FIRST = 3  # shorter increments tried by Newton's method before a relaxation ...
+SHORT = 0.02  # ... which comes at once where the increment is below this share of the largest
+DRIFT_WANTED = 0.05  # turn of a member by which corrections leave the prediction: steers the increments [rad]
+DRIFT_LARGEST = 0.25  # ... above which the equilibrium found may lie on another branch, and the increment is cut [rad]
 SMALLEST = 1e-7  # smallest increment, as a share of the whole range
 LIMIT_TOLERANCE = 1e-7  # relative error in load to which limit points are located
 PREDICTED_TURN = 0.5  # a prediction that turns a member by more is cut before it is tried [rad]
+
+
+ON_INSTABILITY = ("follow", "switch", "stop")
 
 
 class Control:
@@ -144,9 +152,12 @@ class PathAnalysis(Analysis):
 
     max_steps = 100_000
 
-    def __init__(self, model: Model, tol: float, start: Step | None) -> None:
+    def __init__(self, model: Model, tol: float, start: Step | None, on_instability: str = "follow") -> None:
         super().__init__(model)
         owner = type(self).__name__
+        if on_instability not in ON_INSTABILITY:
+            raise ModelError(f"{owner}: on_instability must be one of {ON_INSTABILITY}, got {on_instability!r}")
+        self.on_instability = on_instability
         self.tol = checked_number(tol, "tol", owner, positive=True)
         if start is not None and not isinstance(start, Step):
             raise ModelError(f"{owner}: start must be a Step, such as results[-1], got {start!r}")
@@ -223,7 +234,6 @@ class PathAnalysis(Analysis):
         state = self._first_equilibrium()
         walk = self._plan(control, state, self._tangent)
         self._bar.start(walk.progress(control.value(state.q, state.lam)))
-        last_change: Array | None = None
         for _ in range(self.max_steps):
             if self._stops(self._results[-1]):
                 return
@@ -231,11 +241,19 @@ class PathAnalysis(Analysis):
             if increment is None:
                 return
             before, before_tangent, before_history = state, self._tangent, system.history
+            cuts = 0
             while True:
-                attempt = self._try(before, before_tangent, increment, last_change)
-                if attempt.converged and self._accept_tangent(attempt):
+                attempt = self._try(before, before_tangent, increment)
+                found = attempt.converged and self._accept_tangent(attempt)
+                hard = cuts >= CUTS_FIRST or abs(increment) < SHORT * walk.largest
+                if self.on_instability == "switch" and (hard if not found else self._tangent.factor.negative):
+                    relaxed = self._relax(before, before_tangent, increment)
+                    if relaxed.converged and self._accept_tangent(relaxed):
+                        attempt, found = relaxed, True
+                if found:
                     break
                 self._results.stats["cutbacks"] += 1
+                cuts += 1
                 system.history = before_history
                 shorter = walk.cut(increment)
                 if shorter is None:
@@ -243,12 +261,13 @@ class PathAnalysis(Analysis):
                 increment = shorter
             state = attempt.state
             system.commit(state.u)
-            last_change = state.u - before.u
             if isinstance(control, ArcLengthControl):
-                control.direction = last_change
+                control.direction = state.u - before.u
             self._store(state, attempt)
             self._report_events(before, before_tangent, before_history, increment, state)
-            walk.adapt(increment, attempt.iterations)
+            if self.on_instability == "stop" and self._tangent.factor.negative:
+                return
+            walk.adapt(increment, attempt)
             self._bar.move(walk.progress(control.value(state.q, state.lam)))
 
     def _first_equilibrium(self) -> State:
@@ -258,7 +277,10 @@ class PathAnalysis(Analysis):
         if start is not None:
             if start.u.shape[0] != len(system.rest):
                 raise ModelError(f"start has {start.u.shape[0]} nodes, the model has {len(system.rest)}")
-            lam = start.lam if start.stage == system.model.stage else 0.0
+            if start.stage == system.model.stage:
+                lam = start.lam
+            else:
+                system.start_stage(start.u)
             error = system.constraint_error(start.u, lam)
             if error > 1e-6 * system.size:
                 raise ModelError(
@@ -274,8 +296,9 @@ class PathAnalysis(Analysis):
         control = LoadFactorControl()
         control.begin(state, 0.0)
         blocks, factor = self._first_factor(system, self._results, state.u, lam)
-        first = Tangent(blocks, factor, np.zeros(system.free))
-        attempt = correct(system, self._new_factor, control, state, self.tol, 4 * MAX_ITERATIONS, first, self._count)
+        attempt = correct(system, self._new_factor, control, state, self.tol, MAX_ITERATIONS, self._count)
+        if not attempt.converged:
+            attempt = correct(system, self._new_factor, control, state, self.tol, MAX_RELAXATION, self._count, True)
         if not attempt.converged:
             self._fail(attempt, 0.0)
         system.commit(attempt.state.u)
@@ -286,23 +309,51 @@ class PathAnalysis(Analysis):
         self._store(attempt.state, attempt)
         return attempt.state
 
-    def _try(self, before: State, tangent: Tangent, increment: float, last_change: Array | None) -> Attempt:
-        """Predict along the tangent and correct."""
-        system, control = self._system, self.control
+    def _predict(self, before: State, tangent: Tangent, increment: float) -> tuple[State, Array] | None:
+        """The state on the tangent, one increment on, and the change to it; None where the tangent leads nowhere."""
+        control = self.control
         control.begin(before, increment)
         step_lam = control.predict(increment, tangent.rate)
         if not np.isfinite(step_lam):
-            return Attempt(before, False, float("inf"), 0, [], "the control does not act on the structure")
+            return None
         q, lam = before.q + step_lam * tangent.rate, before.lam + step_lam
-        u = system.displacement(q, lam)
-        change = u - before.u
+        u = self._system.displacement(q, lam)
+        return State(q, lam, u), u - before.u
+
+    def _try(self, before: State, tangent: Tangent, increment: float) -> Attempt:
+        """Predict along the tangent and correct."""
+        system = self._system
+        predicted = self._predict(before, tangent, increment)
+        if predicted is None:
+            return Attempt(before, False, float("inf"), 0, [], "the control does not act on the structure")
+        state, change = predicted
         if system.largest_rotation(change) > PREDICTED_TURN:
             return Attempt(before, False, float("inf"), 0, [], "the increment turns members too far")
         system.linearize(before.u, change)
+        attempt = correct(system, self._new_factor, self.control, state, self.tol, MAX_ITERATIONS, self._count)
+        attempt.iterations += 1
+        attempt.drift = system.largest_rotation(attempt.state.u - state.u)
+        if attempt.converged and attempt.drift > DRIFT_LARGEST:
+            attempt.converged = False
+            attempt.reason = f"equilibrium found {attempt.drift:.2f} rad off the prediction, maybe on another branch"
+        return attempt
+
+    def _relax(self, before: State, tangent: Tangent, increment: float) -> Attempt:
+        """Run downhill from the last equilibrium, carried along with the drive, to a stable equilibrium."""
+        system = self._system
+        predicted = self._predict(before, tangent, increment)
+        assert predicted is not None
+        state, change = predicted
+        if system.largest_rotation(change) > PREDICTED_TURN:
+            # The tangent shoots off near a limit point: move only what is driven, and let the rest follow.
+            state = State(before.q, state.lam, system.displacement(before.q, state.lam))
+            change = state.u - before.u
+        system.linearize(before.u, change)
         attempt = correct(
-            system, self._new_factor, control, State(q, lam, u), self.tol, MAX_ITERATIONS, None, self._count
+            system, self._new_factor, self.control, state, self.tol, MAX_RELAXATION, self._count, convex=True
         )
         attempt.iterations += 1
+        attempt.relaxed = True
         return attempt
 
     def _accept_tangent(self, attempt: Attempt) -> bool:
@@ -358,6 +409,8 @@ class PathAnalysis(Analysis):
                 results.events.append(Event("limit point", found.lam, index, message, bracket, self._full(found.u)))
                 if abs(negative[1] - negative[0]) == 1:
                     return
+        if isinstance(control, LoadFactorControl):
+            self._report_snap(before, after, before_history, bracket, index)
         if negative[0] != negative[1]:
             message = (
                 f"{negative[0]} to {negative[1]} negative eigenvalues between load factors "
@@ -365,6 +418,30 @@ class PathAnalysis(Analysis):
             )
             middle = 0.5 * (bracket[0] + bracket[1])
             results.events.append(Event("stability change", middle, index, message, bracket))
+
+    def _report_snap(
+        self, before: State, after: State, before_history: Any, bracket: tuple[float, float], index: int
+    ) -> None:
+        """Tell of energy that was set free: on a smooth stable path the potential changes by the work of the drive."""
+        system = self._system
+        after_history = system.history
+        system.history = before_history
+        energy_before, rate_before = sum(system.energies(before.u, before.lam).values()), system.potential_rate(
+            before.u, before.lam
+        )
+        system.history = after_history
+        energy_after, rate_after = sum(system.energies(after.u, after.lam).values()), system.potential_rate(
+            after.u, after.lam
+        )
+        distance = after.lam - before.lam
+        released = energy_before + 0.5 * (rate_before + rate_after) * distance - energy_after
+        expected = 0.5 * abs((rate_after - rate_before) * distance)
+        if released > expected + 1e-3 * abs(energy_after):
+            message = (
+                f"snap between load factors {bracket[0]:.6g} and {bracket[1]:.6g}: "
+                f"energy of {released:.3g} was set free ({100 * released / max(abs(energy_after), 1e-300):.2g} %)"
+            )
+            self._results.events.append(Event("snap", 0.5 * sum(bracket), index, message, bracket))
 
     def _full(self, u: Array) -> Array:
         full = np.zeros((len(u), 3))
@@ -404,7 +481,7 @@ class PathAnalysis(Analysis):
                 system.history = before_history
                 if isinstance(self.control, ArcLengthControl):
                     self.control.direction = after.u - before.u
-                attempt = self._try(before, before_tangent, trial, None)
+                attempt = self._try(before, before_tangent, trial)
                 if not (attempt.converged and self._accept_tangent(attempt)):
                     break
                 if isinstance(self.control, ArcLengthControl):
@@ -494,11 +571,14 @@ class _Walk:
         self.size = max(0.35 * abs(increment), self.smallest)
         return float(np.sign(increment)) * self.size
 
-    def adapt(self, increment: float, iterations: int) -> None:
-        """Next size from how hard the last increment was."""
-        growth = float(np.clip((WANTED_ITERATIONS / max(iterations, 1)) ** 0.5, 0.5, 2.0))
-        if iterations < WANTED_ITERATIONS:
-            growth = max(growth, 1.5)
+    def adapt(self, increment: float, attempt: Attempt) -> None:
+        """Next size from how hard the last increment was, and how far the corrections led away from the prediction."""
+        growth = (WANTED_ITERATIONS / max(attempt.iterations, 1)) ** 1.5
+        if attempt.relaxed:
+            growth = 1.0
+        elif attempt.drift > 0:
+            growth = min(growth, (DRIFT_WANTED / attempt.drift) ** 0.5)  # the drift grows with the square
+        growth = float(np.clip(growth, 0.5, 2.5))
         # A short increment that only served to hit a target says nothing about the size to go on with.
         base = abs(increment) if growth < 1 or abs(increment) > 0.99 * self.size else self.size
         self.size = min(max(base * growth, self.smallest), self.largest)
@@ -546,8 +626,9 @@ class _RangeAnalysis(PathAnalysis):
         step: float | None,
         tol: float,
         start: Step | None,
+        on_instability: str,
     ) -> None:
-        super().__init__(model, tol, start)
+        super().__init__(model, tol, start, on_instability)
         owner = type(self).__name__
         self.to = checked_number(to, "to", owner)
         self.targets = targets
@@ -580,6 +661,9 @@ class LoadControl(_RangeAnalysis):
         Relative residual that every stored step meets.
     start : Step, optional
         Stored step to go on from.
+    on_instability : {"follow", "switch", "stop"}
+        At an unstable equilibrium: follow the path; leave it downhill for a stable one at the same load factor, as a
+        real structure does in a snap; or stop there. Events tell what was met.
 
     Examples
     --------
@@ -600,8 +684,9 @@ class LoadControl(_RangeAnalysis):
         step: float | None = None,
         tol: float = 1e-8,
         start: Step | None = None,
+        on_instability: str = "follow",
     ) -> None:
-        super().__init__(model, to, targets, step, tol, start)
+        super().__init__(model, to, targets, step, tol, start, on_instability)
 
     def _make_control(self, system: System) -> Control:
         require_drive(system, type(self).__name__)
@@ -628,6 +713,9 @@ class DisplacementControl(_RangeAnalysis):
         Relative residual that every stored step meets.
     start : Step, optional
         Stored step to go on from.
+    on_instability : {"switch", "follow", "stop"}, optional
+        As for :class:`LoadControl`; the default is "switch" for prescribed displacements, because a pulled sheet
+        snaps from one stable shape to the next, and "follow" with `control`.
 
     Examples
     --------
@@ -650,8 +738,13 @@ class DisplacementControl(_RangeAnalysis):
         step: float | None = None,
         tol: float = 1e-8,
         start: Step | None = None,
+        on_instability: str | None = None,
     ) -> None:
-        super().__init__(model, to, targets, step, tol, start)
+        if on_instability is None:
+            on_instability = "switch" if control is None else "follow"
+        if on_instability == "switch" and control is not None:
+            raise ModelError("on_instability='switch' needs a prescribed load factor: leave out `control`")
+        super().__init__(model, to, targets, step, tol, start, on_instability)
         if control is not None:
             node, axis = control if isinstance(control, (tuple, list)) and len(control) == 2 else (None, None)
             if not isinstance(node, Node) or axis not in tuple(AXES[: model.dim]):

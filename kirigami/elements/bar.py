@@ -217,6 +217,8 @@ class BarKernel(Kernel):
             return Contribution(energy, gradient.transpose(2, 1, 0))
         if self._stress_ahead is not None:
             stress = self._stress_ahead
+        if self.convexity:  # compression is what makes a bar's Hessian indefinite
+            stress = stress - self.convexity * np.minimum(stress, 0.0)
         geometric = self.EA * stress / base
         along = self.EA * tangent / (L * base**2)
         if self.strain == "engineering":  # the direction of the pull turns with the bar

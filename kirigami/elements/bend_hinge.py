@@ -222,6 +222,7 @@ class BendHingeKernel(Kernel):
         gradient = moment * angle_gradient
         if need == 1:
             return Contribution(energy, gradient.transpose(2, 1, 0))
+        moment = (1 - self.convexity) * moment
         # Material part k g g', then the moment times the second derivatives, wing by wing.
         hessian = np.empty((3, 3, len(self.pairs), edge.shape[1]))
         stiff = self.stiffness * angle_gradient

@@ -184,6 +184,7 @@ class TorsionSpring3Kernel(Kernel):
         gradient = moment * angle_gradient
         if need == 1:
             return Contribution(energy, gradient.transpose(2, 1, 0))
+        moment = (1 - self.convexity) * moment
         hessian = np.empty((2, 2, len(self.pairs), len(moment)))
         stiff = self.stiffness * angle_gradient
         for slot, (p, q) in enumerate(self.pairs):

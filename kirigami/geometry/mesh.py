@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from kirigami.errors import GeometryError
+from kirigami.geometry.topology import area_vectors, oriented_triangles, pair_keys, paired_half_edges, sides
 
 if TYPE_CHECKING:
     from kirigami.model import Material
@@ -97,7 +98,7 @@ class TriMesh:
         cuts: Sequence[CutLoop] | None = None,
     ) -> None:
         self.nodes: Floats = _read_only(_checked_nodes(nodes))
-        self.triangles: Integers = _read_only(_oriented(self.nodes, _checked_triangles(self.nodes, triangles)))
+        self.triangles: Integers = _read_only(oriented_triangles(self.nodes, _checked_triangles(self.nodes, triangles)))
         self.sets: dict[str, Integers] = {name: self._node_set(name, which) for name, which in (sets or {}).items()}
         self.thickness = thickness
         self.material = material
@@ -108,7 +109,7 @@ class TriMesh:
     @cached_property
     def _half_edges(self) -> tuple[Integers, Integers]:
         """First and second half-edge of every edge; half-edge 3 f + c runs from corner c of facet f to the next."""
-        return _paired_half_edges(self.triangles)
+        return paired_half_edges(self.triangles)
 
     @cached_property
     def edges(self) -> Integers:
@@ -147,14 +148,19 @@ class TriMesh:
     @cached_property
     def facet_areas(self) -> Floats:
         """Area of each facet, shape (m,)."""
-        return _read_only(np.linalg.norm(_area_vectors(self.nodes, self.triangles), axis=1))
+        return _read_only(np.linalg.norm(area_vectors(self.nodes, self.triangles), axis=1))
 
     @cached_property
+    def facet_min_angles(self) -> Floats:
+        """Smallest angle of each facet in degrees, shape (m,)."""
+        vectors = sides(self.nodes, self.triangles)
+        cosines = -np.einsum("mcx,mcx->mc", vectors, np.roll(vectors, 1, axis=1))  # the sides that meet at corner c
+        return _read_only(np.degrees(np.arctan2(2.0 * self.facet_areas[:, None], cosines)).min(axis=1))
+
+    @property
     def min_angle(self) -> float:
         """Smallest angle of any facet, in degrees."""
-        sides = _sides(self.nodes, self.triangles)
-        cosines = -np.einsum("mcx,mcx->mc", sides, np.roll(sides, 1, axis=1))  # the sides that meet at corner c
-        return float(np.degrees(np.arctan2(2.0 * self.facet_areas[:, None], cosines).min()))
+        return float(self.facet_min_angles.min())
 
     @cached_property
     def facet_parts(self) -> Integers:
@@ -229,7 +235,7 @@ class TriMesh:
     def _outer_loop_count(self) -> int:
         return len(self.boundary_loops) if len(self.boundary_loops) < 2 else int(self.facet_parts.max()) + 1
 
-    @property
+    @cached_property
     def size(self) -> float:
         """Largest side of the bounding box."""
         return float(np.ptp(self.nodes, axis=0).max())
@@ -284,7 +290,7 @@ class TriMesh:
         pairs = np.concatenate(outer) if outer else np.empty((0, 2), np.int64)  # a closed surface has no boundary
         lips = [np.column_stack([np.roll(cut.loop, -1), cut.loop]) for cut in self.cuts if cut.open]
         if lips:
-            along_cut = np.isin(_pair_keys(pairs, len(self.nodes)), _pair_keys(np.concatenate(lips), len(self.nodes)))
+            along_cut = np.isin(pair_keys(pairs, len(self.nodes)), pair_keys(np.concatenate(lips), len(self.nodes)))
             pairs = pairs[~along_cut]
         return _read_only(np.unique(pairs))
 
@@ -292,18 +298,20 @@ class TriMesh:
 
     def with_sets(self, **sets: ArrayLike) -> TriMesh:
         """Copy with more named node sets; a name that exists is replaced."""
-        return self._copy(self.nodes, {**self.sets, **sets})
+        return self._copy(self.nodes, {**self.sets, **sets}, self._given_cuts)
+
+    def with_cuts(self, cuts: Sequence[CutLoop]) -> TriMesh:
+        """Copy in which the cuts are these and not the inner boundary loops."""
+        return self._copy(self.nodes, self.sets, cuts)
 
     def scaled(self, factor: float) -> TriMesh:
         """Copy with all coordinates times ``factor``; the thickness stays as it is."""
         if not (np.isfinite(factor) and factor > 0):
             raise GeometryError(f"cannot scale a mesh by {factor}: the factor must be positive")
-        return self._copy(self.nodes * factor, self.sets)
+        return self._copy(self.nodes * factor, self.sets, self._given_cuts)
 
-    def _copy(self, nodes: Floats, sets: Mapping[str, ArrayLike]) -> TriMesh:
-        return TriMesh(
-            nodes, self.triangles, sets, thickness=self.thickness, material=self.material, cuts=self._given_cuts
-        )
+    def _copy(self, nodes: Floats, sets: Mapping[str, ArrayLike], cuts: Sequence[CutLoop] | None) -> TriMesh:
+        return TriMesh(nodes, self.triangles, sets, thickness=self.thickness, material=self.material, cuts=cuts)
 
     def _node_set(self, name: str, which: ArrayLike) -> Integers:
         indices = np.asarray(which)
@@ -353,15 +361,15 @@ def _checked_triangles(nodes: Floats, triangles: ArrayLike) -> Integers:
         raise GeometryError(f"triangles must be integers of shape (m, 3), not {given.dtype} of shape {given.shape}")
     checked = given.astype(np.int64)
 
-    def refuse(wrong: NDArray[np.bool_], why: str) -> None:
+    def refuse(wrong: Any, why: str) -> None:
         if wrong.any():
             facet = int(np.flatnonzero(wrong)[0])
             raise GeometryError(f"facet {facet} with nodes {checked[facet].tolist()} {why}")
 
     refuse(((checked < 0) | (checked >= len(nodes))).any(axis=1), f"names a node beyond 0 .. {len(nodes) - 1}")
     refuse((checked == np.roll(checked, 1, axis=1)).any(axis=1), "names one node twice")
-    longest = np.linalg.norm(_sides(nodes, checked), axis=2).max(axis=1)
-    area = np.linalg.norm(_area_vectors(nodes, checked), axis=1)
+    longest = np.linalg.norm(sides(nodes, checked), axis=2).max(axis=1)
+    area = np.linalg.norm(area_vectors(nodes, checked), axis=1)
     refuse(area <= DEGENERATE * longest**2, "has no area: its nodes lie on a line")
     ordered = np.sort(checked, axis=1)
     rank = np.lexsort(ordered.T)
@@ -372,95 +380,3 @@ def _checked_triangles(nodes: Floats, triangles: ArrayLike) -> Integers:
     if unused.size:
         raise GeometryError(f"node {unused[0]} at {nodes[unused[0]]} and {unused.size - 1} more belong to no facet")
     return checked
-
-
-def _oriented(nodes: Floats, triangles: Integers) -> Integers:
-    """Facets turned so that neighbours agree and the sheet as a whole faces +z."""
-    oriented = triangles.copy()
-    if np.ptp(nodes[:, 2]) == 0.0:
-        _flip(oriented, _area_vectors(nodes, oriented)[:, 2] < 0)
-    else:
-        _flip(oriented, _flips_of_a_surface(nodes, oriented))
-    first, second = _paired_half_edges(oriented)
-    both = second >= 0
-    start = oriented.ravel()
-    clash = np.flatnonzero(both & (start[first] == start[second]))
-    if clash.size:
-        facets = first[clash[0]] // 3, second[clash[0]] // 3
-        place = nodes[oriented[facets[0]]].mean(axis=0)
-        raise GeometryError(f"facets {facets[0]} and {facets[1]} overlap: both lie on one side of their edge near {place}")
-    return oriented
-
-
-def _flips_of_a_surface(nodes: Floats, triangles: Integers) -> NDArray[np.bool_]:
-    """Which facets to turn, from a graph that holds every facet twice, as it is and turned.
-
-    Links join the states in which neighbours agree. Each part of the surface then appears as two components, one for
-    each way round; if they are the same component the surface has only one side.
-    """
-    from scipy.sparse import coo_array
-    from scipy.sparse.csgraph import connected_components
-
-    first, second = _paired_half_edges(triangles)
-    both = second >= 0
-    start, count = triangles.ravel(), len(triangles)
-    agree = start[first[both]] != start[second[both]]
-    left, right = first[both] // 3, second[both] // 3
-    rows = np.concatenate([left, left + count])
-    columns = np.concatenate([np.where(agree, right, right + count), np.where(agree, right + count, right)])
-    graph = coo_array((np.ones(len(rows), np.int8), (rows, columns)), shape=(2 * count, 2 * count))
-    state = connected_components(graph, directed=False)[1]
-    if (state[:count] == state[count:]).any():
-        raise GeometryError("the surface has only one side, like a Moebius band: its facets cannot be oriented")
-    upward = _area_vectors(nodes, triangles)[:, 2]
-    facing = np.bincount(state, weights=np.concatenate([upward, -upward]))
-    kept, turned = facing[state[:count]], facing[state[count:]]
-    level = np.abs(kept - turned) <= 1e-12 * np.abs(upward).sum()  # a closed or upright part: keep its first facet
-    return np.where(level, state[:count] > state[count:], turned > kept)
-
-
-def _flip(triangles: Integers, which: NDArray[np.bool_]) -> None:
-    triangles[which, 1:] = triangles[which, :0:-1]
-
-
-# --- half-edges and vectors ----------------------------------------------------------------------------------------
-
-
-def _pair_keys(pairs: Integers, count: int) -> Integers:
-    """One integer per unordered pair of nodes."""
-    return pairs.min(axis=1) * count + pairs.max(axis=1)
-
-
-def _paired_half_edges(triangles: Integers) -> tuple[Integers, Integers]:
-    """First and second (or -1) half-edge of each edge; of two, the first starts at the smaller node."""
-    start, end = triangles.ravel(), triangles[:, [1, 2, 0]].ravel()
-    keys = _pair_keys(np.column_stack([start, end]), int(triangles.max()) + 1)
-    order = np.argsort(keys, kind="stable")
-    ranked = keys[order]
-    is_new = np.concatenate([[True], ranked[1:] != ranked[:-1]])
-    edge = np.cumsum(is_new) - 1
-    crowded = np.flatnonzero(np.bincount(edge) > 2)
-    if crowded.size:
-        halves = order[edge == crowded[0]]
-        raise GeometryError(
-            f"the edge between nodes {start[halves[0]]} and {end[halves[0]]} belongs to {len(halves)} facets "
-            f"({', '.join(str(half // 3) for half in halves)}); a sheet has at most two at an edge"
-        )
-    first = order[is_new]
-    second = np.full(len(first), -1)
-    second[edge[~is_new]] = order[~is_new]
-    swap = (second >= 0) & (start[first] > end[first])
-    first[swap], second[swap] = second[swap], first[swap]
-    return first, second
-
-
-def _sides(nodes: Floats, triangles: Integers) -> Floats:
-    """Vectors from each corner to the next, shape (m, 3, 3)."""
-    corners = nodes[triangles]
-    return corners[:, [1, 2, 0]] - corners
-
-
-def _area_vectors(nodes: Floats, triangles: Integers) -> Floats:
-    """Normal of each facet times its area, shape (m, 3)."""
-    sides = _sides(nodes, triangles)
-    return 0.5 * np.cross(sides[:, 0], sides[:, 1])

@@ -14,6 +14,8 @@ the tolerance in rule 2, no flat triangle can ask for each of two sides to be le
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 import numpy as np
 import shapely
 from numpy.typing import NDArray
@@ -157,9 +159,7 @@ def _crossings(points: Floats, lines: Integers) -> tuple[Floats, Integers, Integ
     return np.concatenate([points, new_points]), np.concatenate([one, other]), np.concatenate([number, number])
 
 
-def _split(
-    points: Floats, edges: Integers, lines: Integers, split_line: Integers, split_point: Integers
-) -> Integers:
+def _split(points: Floats, edges: Integers, lines: Integers, split_line: Integers, split_point: Integers) -> Integers:
     """Replace each split line by the chain through its points, for every owner."""
     chains: dict[tuple[int, int], list[int]] = {}
     start = points[lines[split_line, 0]]
@@ -173,5 +173,5 @@ def _split(
         chain = [low, *chains.get((low, high), []), high]
         if begin > end:
             chain.reverse()
-        result.extend((a, b, owner) for a, b in zip(chain, chain[1:], strict=False))
+        result.extend((a, b, owner) for a, b in pairwise(chain))
     return _unique_edges(np.array(result, dtype=np.int64))

@@ -15,8 +15,10 @@ from meshes import Floats
 import kirigami as kg
 
 
-def _relaxed(stiffness: Floats, copies: Floats, affine: Floats, area: float) -> Floats:
+def _per_area(stiffness: Floats, copies: Floats, affine: Floats, area: float, relaxed: bool = True) -> Floats:
     """Second derivative of the energy per area with respect to the amplitudes of the affine fields."""
+    if not relaxed:
+        return affine.T @ stiffness @ affine / area
     inner = copies.T @ stiffness @ copies
     # The fluctuation is free up to a rigid translation (and slides no bar feels), hence least squares.
     fluctuation = np.linalg.lstsq(inner, -copies.T @ stiffness @ affine, rcond=1e-11)[0]
@@ -24,7 +26,7 @@ def _relaxed(stiffness: Floats, copies: Floats, affine: Floats, area: float) -> 
     return field.T @ stiffness @ field / area
 
 
-def membrane_matrix(cell: meshes.UnitCell) -> Floats:
+def membrane_matrix(cell: meshes.UnitCell, relaxed: bool = True) -> Floats:
     """Plane-stress matrix for (exx, eyy, gamma_xy)."""
     stiffness = _stiffness(cell)
     x, y = cell.position.T
@@ -32,7 +34,7 @@ def membrane_matrix(cell: meshes.UnitCell) -> Floats:
     affine = np.stack([np.stack([x, zero, y / 2]), np.stack([zero, y, x / 2])], axis=1)  # field, axis, node
     plane = stiffness[:, :2, :, :2].reshape(2 * len(x), 2 * len(x))
     copies = np.kron(_copies(cell), np.eye(2))
-    return _relaxed(plane, copies, affine.transpose(2, 1, 0).reshape(-1, 3), cell.area)
+    return _per_area(plane, copies, affine.transpose(2, 1, 0).reshape(-1, 3), cell.area, relaxed)
 
 
 def bending_matrix(cell: meshes.UnitCell) -> Floats:
@@ -40,7 +42,7 @@ def bending_matrix(cell: meshes.UnitCell) -> Floats:
     stiffness = _stiffness(cell)
     x, y = cell.position.T
     deflection = np.column_stack([x**2 / 2, y**2 / 2, x * y / 2])
-    return _relaxed(stiffness[:, 2, :, 2], _copies(cell), deflection, cell.area)
+    return _per_area(stiffness[:, 2, :, 2], _copies(cell), deflection, cell.area)
 
 
 def _stiffness(cell: meshes.UnitCell) -> Floats:

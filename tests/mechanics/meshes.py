@@ -7,6 +7,7 @@ so that a wrong formula in the package cannot hide behind itself.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -97,7 +98,7 @@ def open_slit(nodes: Floats, triangles: Ints, slit: list[int]) -> tuple[Floats, 
     height = nodes[slit[0], 1]
     above = nodes[triangles].mean(axis=1)[:, 1] > height
     triangles = triangles.copy()
-    twins = []
+    twins: list[Floats] = []
     for old in slit[1:-1]:
         new = len(nodes) + len(twins)
         twins.append(nodes[old])
@@ -178,7 +179,7 @@ def chain(points: Floats, stiffness: float, axial: float, **options: Any) -> tup
     """A plane Hencky chain: bars of axial stiffness EA between the points, an angle spring at each inner one."""
     model = kg.Model(dim=2)
     nodes = model.add(*(kg.Node(float(x), float(y)) for x, y in points))
-    model.add(*(kg.Bar(a, b, axial, **options) for a, b in zip(nodes, nodes[1:])))
+    model.add(*(kg.Bar(a, b, axial, **options) for a, b in pairwise(nodes)))
     model.add(*(kg.TorsionSpring3(a, b, c, stiffness) for a, b, c in zip(nodes, nodes[1:], nodes[2:])))
     return model, nodes
 
@@ -224,8 +225,8 @@ def periodic_equilateral(columns: int, rows: int, jitter: float = 0.0, seed: int
             for facet in ((a, b, c), (a, c, d)):
                 corners.append([(p % columns) + columns * (q % rows) for p, q in facet])
                 shifts.append([(p // columns, q // rows) for p, q in facet])
-    i, j = np.meshgrid(np.arange(columns), np.arange(rows))
-    points = np.column_stack([(i + 0.5 * (j % 2)).ravel(), SIXTY_DEGREES * j.ravel()])
+    column, row = np.meshgrid(np.arange(columns), np.arange(rows))
+    points = np.column_stack([(column + 0.5 * (row % 2)).ravel(), SIXTY_DEGREES * row.ravel()])
     points = points + np.random.default_rng(seed).uniform(-jitter, jitter, points.shape)
     periods = np.diag([float(columns), SIXTY_DEGREES * rows])
     return PeriodicMesh(points, periods, np.array(corners), np.array(shifts))

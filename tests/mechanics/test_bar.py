@@ -162,4 +162,7 @@ def test_hanging_bar_by_load_control() -> None:
     for factor, displacement in zip(result.lam, result.u[:, 1, 0]):
         assert _axial_force("green", LENGTH + displacement) == pytest.approx(0.5 * EA * factor, abs=1e-7 * EA)
     assert result.lam[-1] == pytest.approx(1.0, abs=1e-14)
+    assert result.bar_force[:, 0] == pytest.approx(0.5 * EA * result.lam, abs=1e-7 * EA)
+    length = LENGTH + result.u[:, 1, 0]
+    assert result.bar_strain[:, 0] == pytest.approx((length**2 / LENGTH**2 - 1) / 2, abs=1e-12)
     assert result.reaction(a, "x")[-1] == pytest.approx(-0.5 * EA, rel=1e-7)

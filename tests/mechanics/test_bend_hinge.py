@@ -128,6 +128,32 @@ def test_folding_through_a_half_turn(side: float) -> None:
     assert result.hinge_moment[:, 0] == pytest.approx(stiffness * (angle - rest), rel=1e-12)
 
 
+def test_angle_follows_committed_states_beyond_a_full_turn() -> None:
+    """Committed step by step, the angle counts on past pi and 2 pi, both ways, and the moment with it."""
+    system = _hinge(_points(0.0), stiffness=2.0)
+    (kernel,) = system.kernels
+    for fold in np.concatenate([np.linspace(0, 7, 15), np.linspace(7, -7, 29)]):
+        displaced = _points(fold) - _points(0.0)
+        force = system.gradient(displaced)[0]
+        growing = np.array([0.0, -np.sin(fold), np.cos(fold)])
+        assert force @ growing * HEIGHT_I == pytest.approx(2.0 * fold, abs=1e-9)
+        assert kernel.deformation(_points(fold))[0] == pytest.approx(fold, abs=1e-9)
+        system.commit(displaced)
+
+
+def test_both_wings_driven_past_the_hinge_line() -> None:
+    """Each wing sweeps 2 atan(1 / 0.3), together 292 degrees, more than an angle that is not tracked can tell."""
+    model = kg.Model()
+    points = [(0.5, 0.3, -1.0), (0, 0, 0), (1, 0, 0), (0.5, -0.3, -1.0), (2, 0, 0)]
+    i, j, k, l, loose = model.add(*(kg.Node(*point) for point in points))
+    model.add(kg.BendHinge(i, j, k, l, 2.0), kg.Bar(k, loose, 1.0), kg.Fix([j, k]), kg.Fix(loose, "yz"))
+    model.add(kg.Fix([i, l], "xy"), kg.Prescribe([i, l], z=2.0))
+    result = kg.DisplacementControl(model, to=1.0, step=0.05).run()
+    sweep = 2 * np.arctan2(2 * result.lam - 1.0, 0.3)
+    assert result.hinge_angle[:, 0] == pytest.approx(sweep, abs=1e-9)
+    assert result.energy["hinges"] == pytest.approx((sweep - sweep[0]) ** 2, abs=1e-9)
+
+
 @pytest.mark.parametrize("dim, rigid", [(3, 6), (2, 3)])
 def test_free_flat_sheet_has_only_rigid_modes(dim: int, rigid: int) -> None:
     """Exactly 6 in space: hinges stiffen every out-of-plane mode of a flat sheet to first order; 3 in the plane."""

@@ -116,11 +116,18 @@ def test_irregular_cells(kind: str, amount: float) -> None:
 
 
 @pytest.mark.parametrize("seed", range(2))
-def test_relaxation_only_softens(seed: int) -> None:
-    """The affine estimate is E, nu = 1/3, G = 3/8 on ANY mesh, direction averaged; relaxing can only lower it."""
-    mesh = meshes.periodic_equilateral(8, 8, jitter=0.25, seed=seed)
-    found = moduli(membrane_matrix(meshes.unit_cell(mesh)))
-    assert 0.85 < found.young.mean() < 1.0 and 0.30 < found.shear.mean() < 0.375
+def test_affine_estimate_is_a_third_on_any_mesh(seed: int) -> None:
+    """Without relaxation the direction-averaged net is E, nu = 1/3 on ANY mesh; relaxing can only soften it.
+
+    The two isotropic invariants of a plane-stress matrix are 2 E / (1 - nu) and 4 E / (1 + nu): both are 3 E here.
+    """
+    cell = meshes.unit_cell(meshes.periodic_equilateral(8, 8, jitter=0.25, seed=seed))
+    invariants = [
+        (c[0, 0] + c[1, 1] + 2 * c[0, 1], c[0, 0] + c[1, 1] - 2 * c[0, 1] + 4 * c[2, 2])
+        for c in (membrane_matrix(cell, relaxed=False), membrane_matrix(cell))
+    ]
+    assert invariants[0] == pytest.approx((3.0, 3.0), rel=1e-9)
+    assert 2.5 < min(invariants[1]) <= max(invariants[1]) < 2.97
 
 
 def test_tied_cell_agrees_with_algebra() -> None:
@@ -217,7 +224,7 @@ def _equilateral(hinge: kg.BendHinge) -> bool:
     ],
     ids=["plate", "paper", "calibration"],
 )
-def test_constants_of_two_triangles(preset: object, membrane: float, bending: float) -> None:
+def test_constants_of_two_triangles(preset: str | kg.Calibration, membrane: float, bending: float) -> None:
     """k_s = F_s E t sqrt3 / 2 and k_B = c E t^3 2 / sqrt3 for the shared edge of two equilateral triangles."""
     edge, modulus, thickness = 0.7, 3.0, 0.01
     nodes = edge * np.array([(0.5, -meshes.SIXTY_DEGREES), (0.0, 0.0), (1.0, 0.0), (0.5, meshes.SIXTY_DEGREES)])
@@ -228,7 +235,8 @@ def test_constants_of_two_triangles(preset: object, membrane: float, bending: fl
     springs = sorted(bar.EA / edge for bar in bars)
     inner = membrane * modulus * thickness * np.sqrt(3) / 2
     assert springs == pytest.approx([inner / 2] * 4 + [inner], rel=1e-12)
-    assert [h.stiffness for h in hinges] == pytest.approx([bending * modulus * thickness**3 * 2 / np.sqrt(3)], rel=1e-12)
+    assert len(hinges) == 1
+    assert hinges[0].stiffness == pytest.approx(bending * modulus * thickness**3 * 2 / np.sqrt(3), rel=1e-12)
 
 
 def test_calibration_table() -> None:

@@ -172,12 +172,21 @@ def test_stored_states_balance(name: str) -> None:
 
 @pytest.mark.long
 def test_slit_disc_from_flat() -> None:
-    """Our own path from the unloaded disc reaches the same branch: height of the upper slit edge, force of the pull."""
+    """Our own path from the unloaded disc reaches the same branch: height of the upper slit edge, force of the pull.
+
+    The unloaded disc turns almost freely about x, hence the small first increment. Near the load factor 0.005 an
+    unstable branch passes close by; short increments there keep to the stable one, on which the reference lies.
+    """
     sheet = _sheet("seed_S1")
-    result = kg.DisplacementControl(sheet.model, to=1.0, targets=sheet.load_factor[:-1], step=1e-4).run()
+    wanted = sheet.load_factor[:-1]  # the last state lies a little beyond 1
+    targets = np.union1d(np.geomspace(2e-3, 2e-2, 20), wanted)
+    result = kg.DisplacementControl(sheet.model, to=1.0, targets=targets, step=1e-6).run()
+    assert result.stable.all()
     force = result.reaction(sheet.top, "y")
-    for factor, stored, expected in zip(sheet.load_factor[:-1], sheet.displacement, sheet.top_force):
+    for factor, stored, expected in zip(wanted, sheet.displacement, sheet.top_force):
         at = int(np.argmin(np.abs(result.lam - factor)))
         assert result.lam[at] == pytest.approx(factor, rel=1e-12)
         assert result.u[at, 127, 2] == pytest.approx(stored[127, 2], rel=1e-4)
         assert force[at] == pytest.approx(expected, rel=1e-4)
+    # The end of their run, 0.08 on each side, to the digits it is tabulated with.
+    assert force[-1] == pytest.approx(1.300e-2, rel=2e-3)

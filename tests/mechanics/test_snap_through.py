@@ -77,7 +77,7 @@ def test_unknown_load_with_controlled_apex(a: float, h: float, strain: str) -> N
     model, apex = _truss(a, h, strain)
     limit = LIMITS[a, h][strain][1] * EA
     model.add(kg.NodalLoad(apex, (0, -limit)))
-    result = kg.DisplacementControl(model, to=-2 * h, control=(apex, "y"), step=0.05 * h).run()
+    result = kg.DisplacementControl(model, to=-2 * h, control=(apex, "y"), targets=-h * np.linspace(0.05, 2, 40)).run()
     deflection = -result.u[:, 1, 1]
     assert deflection[-1] == pytest.approx(2 * h, rel=1e-12)
     assert result.lam == pytest.approx(_load(a, h, strain, deflection) / limit, abs=1e-8)
@@ -150,6 +150,7 @@ def test_load_control_beyond_the_limit_says_so() -> None:
     with pytest.raises(kg.ConvergenceError) as caught:
         kg.LoadControl(model, to=1.2, step=0.1).run()
     kept = caught.value.results
+    assert kept is not None
     assert 0.9 < kept.lam.max() < 1.0 + 1e-6
     assert kept.lam == pytest.approx(_load(a, h, "green", -kept.u[:, 1, 1]) / limit, abs=1e-7)
 
@@ -187,7 +188,7 @@ def _turning_point(deflection: Floats, load: Floats, at: int) -> tuple[float, fl
 @pytest.mark.parametrize("strain", DOME)
 def test_dome_by_apex_deflection(strain: str) -> None:
     model, apex = _dome(strain)
-    result = kg.DisplacementControl(model, to=-3.6, control=(apex, "z"), step=0.05).run()
+    result = kg.DisplacementControl(model, to=-3.6, control=(apex, "z"), targets=-np.linspace(0.05, 3.6, 72)).run()
     deflection, load = -result.u[:, 0, 2], result.lam * DOME[strain]["limit"]
     top, bottom = int(load.argmax()), int(load.argmin())
     place, limit = _turning_point(deflection, load, top)
@@ -204,7 +205,7 @@ def test_dome_by_apex_deflection(strain: str) -> None:
 
 @pytest.mark.parametrize("strain", DOME)
 def test_dome_by_arc_length(strain: str) -> None:
-    model, apex = _dome(strain)
+    model, _ = _dome(strain)
     result = kg.ArcLength(model, step=0.02, stop=lambda step: -step.u[0, 2] > 1.6).run()
     deflection, load = -result.u[:, 0, 2], result.lam * DOME[strain]["limit"]
     top = int(load.argmax())

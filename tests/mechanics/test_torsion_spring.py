@@ -97,16 +97,42 @@ def test_angle_passes_a_full_turn(start: float, direction: float) -> None:
     model.add(kg.TorsionSpring3(i, j, k, stiffness), kg.Bar(i, j, 1e4), kg.Fix([j, k]))
     model.add(kg.NodalLoad(i, (np.cos(direction), np.sin(direction))))
     result = kg.LoadControl(model, to=1.0, step=0.02).run()
-    # The angle is read off the moment, the only place where a jump would do harm.
-    turned = result.energy["springs"]
-    angle = start + np.sign(direction - start) * np.sqrt(2 * turned / stiffness)
-    assert (angle[0] - round(start / (2 * np.pi)) * 2 * np.pi) * (angle[-1] - round(start / (2 * np.pi)) * 2 * np.pi) < 0
+    angle, half_turns = result.spring_angle[:, 0], np.round(start / np.pi)
+    assert angle[0] == pytest.approx(start, abs=1e-12)
+    assert (angle[0] - np.pi * half_turns) * (angle[-1] - np.pi * half_turns) < 0  # it went through
+    assert np.abs(np.diff(angle)).max() < 1.0
     assert stiffness * (angle - start) == pytest.approx(
         ARM_I * result.lam * np.sin(direction - angle), abs=2e-3 * stiffness
     )
+    assert result.spring_moment[:, 0] == pytest.approx(stiffness * (angle - start), rel=1e-12)
     position = result.position(i)[:, :2] - result.position(j)[:, :2]
-    heading = np.unwrap(np.arctan2(position[:, 1], position[:, 0]), period=2 * np.pi)
-    assert heading - heading[0] == pytest.approx(angle - angle[0], abs=1e-6)
+    heading = np.unwrap(np.arctan2(position[:, 1], position[:, 0]))
+    assert heading - heading[0] == pytest.approx(angle - start, abs=1e-9)
+
+
+def test_angle_follows_committed_states_beyond_a_full_turn() -> None:
+    """Committed step by step, the angle counts on beyond 2 pi and below 0, and the moment with it."""
+    system = _spring(_points(1.0), stiffness=2.0)
+    (kernel,) = system.kernels
+    for angle in np.concatenate([np.linspace(1, 9, 17), np.linspace(9, -6, 31)]):
+        displaced = np.column_stack([_points(angle) - _points(1.0), np.zeros(3)])
+        across = np.array([-np.sin(0.3 + angle), np.cos(0.3 + angle)])
+        assert system.gradient(displaced)[0, :2] @ across * ARM_I == pytest.approx(2.0 * (angle - 1.0), abs=1e-9)
+        assert kernel.deformation(_points(angle))[0] == pytest.approx(angle, abs=1e-9)
+        system.commit(displaced[:, :2])
+
+
+def test_both_arms_driven_past_the_middle_node() -> None:
+    """The arms sweep 2 atan(1 / 0.3) each, in opposite senses: 292 degrees, below zero where the angle began above."""
+    model = kg.Model(dim=2)
+    i, j, k, loose = model.add(kg.Node(0.3, 1.0), kg.Node(0, 0), kg.Node(-0.3, 1.0), kg.Node(2, 0))
+    model.add(kg.TorsionSpring3(k, j, i, 2.0), kg.Bar(j, loose, 1.0), kg.Fix(j), kg.Fix(loose, "y"))
+    model.add(kg.Fix([i, k], "x"), kg.Prescribe([i, k], y=-2.0))
+    result = kg.DisplacementControl(model, to=1.0, step=0.05).run()
+    heading = np.arctan2(1.0 - 2.0 * result.lam, 0.3)  # of the arm j->i; the other is its mirror image
+    angle = np.pi - 2 * heading
+    assert result.spring_angle[:, 0] == pytest.approx(angle, abs=1e-9)
+    assert result.energy["springs"] == pytest.approx((angle - angle[0]) ** 2, abs=1e-9)
 
 
 def test_spring_through_straight() -> None:
@@ -135,7 +161,7 @@ def test_clamped_link_under_dead_tip_load() -> None:
     for factor, lift in zip(result.lam, tip):
         load = 400.0 * factor
         # Bars of finite stiffness stretch by about P sin(phi) / EA = 2.6e-4, hence the tolerance.
-        turn = brentq(lambda phi: 50.0 * phi - load * np.cos(phi), 0.0, np.pi / 2)
+        turn = brentq(lambda phi, load=load: 50.0 * phi - load * np.cos(phi), 0.0, np.pi / 2)
         assert lift == pytest.approx(np.sin(turn), abs=5e-4)
     assert tip[-1] > 0.98
 

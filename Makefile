@@ -1,0 +1,31 @@
+# Everything from a fresh checkout: `make demo` stretches a real sheet, `make test` runs the suite.
+PYTHON ?= python3
+VENV ?= .venv
+BIN = $(VENV)/bin
+# One thread each: the suite runs in two processes, and the default solver is sequential.
+THREADS = OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1
+
+.PHONY: demo test validate lint clean
+
+demo: $(VENV)/installed
+	$(BIN)/kirigami demo --folder demo
+
+test: $(VENV)/installed
+	$(THREADS) MPLBACKEND=Agg $(BIN)/python -m pytest -n 2 -m "not long and not external"
+
+# The long validations: the published sheets in full, and everything that takes more than seconds.
+validate: $(VENV)/installed
+	$(THREADS) MPLBACKEND=Agg $(BIN)/python -m pytest -m long
+
+lint: $(VENV)/installed
+	$(BIN)/ruff check kirigami tests examples
+	$(BIN)/mypy kirigami
+
+$(VENV)/installed: setup.cfg pyproject.toml
+	$(PYTHON) -m venv $(VENV)
+	$(BIN)/python -m pip install --quiet --upgrade pip
+	$(BIN)/python -m pip install --quiet -e ".[dev]"
+	touch $@
+
+clean:
+	rm -rf $(VENV) demo build dist *.egg-info

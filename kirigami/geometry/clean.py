@@ -1,0 +1,360 @@
+"""The wall between drawings and the mesh generator: checks, repairs, and errors that say where and why.
+
+A drawing passes as a planar graph whose edges meet only in end points and separate sheet from void or are slits; the mesh
+generator can do nothing wrong with it. Everything happens in a unit frame, in which the sheet is about one in size, so that
+metres and millimetres give the same mesh.
+"""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+from shapely.geometry.base import BaseGeometry
+
+from kirigami.errors import GeometryError, KirigamiWarning
+from kirigami.geometry.noding import node_lines
+from kirigami.geometry.topology import paired_half_edges
+from kirigami.geometry.triangulate import Triangulation, regions, triangulate
+
+Integers = NDArray[np.int64]
+Floats = NDArray[np.float64]
+
+OUTLINE = 0  # owner of the edges of the outline; cut i owns with i + 1, and lines follow after the cuts
+FARTHEST = 1e6  # sizes of the sheet; a cut beyond is surely drawn in another unit
+
+
+@dataclass(frozen=True)
+class Frame:
+    """Maps the drawing to the unit frame and back."""
+
+    origin: Floats
+    size: float
+
+    def to_unit(self, coordinates: Floats) -> Floats:
+        return (coordinates - self.origin) / self.size
+
+    def from_unit(self, coordinates: Floats) -> Floats:
+        return self.origin + self.size * coordinates
+
+    def place(self, point: Floats) -> str:
+        x, y = self.from_unit(point)
+        return f"({x:.6g}, {y:.6g})"
+
+
+@dataclass(frozen=True, eq=False)
+class Drawing:
+    """A clean planar graph in the unit frame.
+
+    Attributes
+    ----------
+    points : ndarray, shape (p, 2)
+    edges : ndarray of int, shape (s, 2)
+        Edges that bound the sheet, with the sheet at their left; slits and embedded lines.
+    is_boundary : ndarray of bool, shape (s,)
+        Which edges bound the sheet.
+    labels : ndarray of int, shape (s,)
+        Index of each edge into ``owners``.
+    owners : list of tuple of int
+        What was drawn along an edge: 0 for the outline, i + 1 for cut i, then the embedded lines.
+    cut_count : int
+        Number of drawn cuts.
+    area : float
+        Area of the sheet without its holes.
+    frame : Frame
+    """
+
+    points: Floats
+    edges: Integers
+    is_boundary: NDArray[np.bool_]
+    labels: Integers
+    owners: list[tuple[int, ...]]
+    cut_count: int
+    area: float
+    frame: Frame
+
+    def cuts_of(self, label: int) -> tuple[int, ...]:
+        """Numbers of the cuts drawn along edges with this label."""
+        return tuple(owner - 1 for owner in self.owners[label] if OUTLINE < owner <= self.cut_count)
+
+    @property
+    def label_is_cut(self) -> NDArray[np.bool_]:
+        return np.array([bool(self.cuts_of(label)) for label in range(len(self.owners))])
+
+    @property
+    def label_separates(self) -> NDArray[np.bool_]:
+        """Whether the sheet comes apart along edges with this label; along mere lines it does not."""
+        return np.array([min(owners) <= self.cut_count for owners in self.owners])
+
+
+def clean(
+    outline: shapely.Polygon,
+    cuts: Sequence[BaseGeometry] = (),
+    lines: Sequence[BaseGeometry] = (),
+    snap: float = 1e-5,
+    allow_parts: bool = False,
+) -> Drawing:
+    """Turn an outline, its cuts and embedded lines into a clean planar graph.
+
+    Parameters
+    ----------
+    outline : shapely.Polygon
+        The sheet before it is cut, valid; interior rings are holes.
+    cuts : sequence of LineString, LinearRing or Polygon
+        Slits and holes, finite and valid.
+    lines : sequence of LineString
+        Lines that become mesh edges without being cut.
+    snap : float
+        Points closer than this times the size of the sheet become one, and a point closer than half of it to an edge is
+        moved onto it.
+    allow_parts : bool
+        Whether cuts may sever the sheet.
+
+    Raises
+    ------
+    GeometryError
+        If a cut lies outside the sheet or along its outline, if cuts sever the sheet, or if nothing of it is left.
+
+    Warns
+    -----
+    KirigamiWarning
+        About every repair that changes what was drawn.
+
+    Examples
+    --------
+    >>> drawing = clean(shapely.box(0, 0, 4, 2), [shapely.LineString([(1, 1), (3, 1)])])
+    >>> len(drawing.edges), drawing.area
+    (5, 0.5)
+    """
+    low, high = np.array(outline.bounds).reshape(2, 2)
+    frame = Frame(low, float((high - low).max()))
+    points, edges = node_lines(*_line_work([outline, *cuts, *lines], len(cuts), frame), snap)
+    if shapely.MultiPoint(points).convex_hull.area <= snap**2:
+        raise GeometryError(f"the outline is narrower than the snapping distance, {snap * frame.size:.3g}")
+    pairs, index = np.unique(np.sort(edges[:, :2], axis=1), axis=0, return_inverse=True)
+    owners_of = _owners(index.ravel(), edges[:, 2], len(pairs))
+
+    hull = _Hull(points, pairs)
+    inside = hull.classify(_solid(outline, cuts, frame))
+    if not inside.any():
+        raise GeometryError("nothing of the sheet is left: the holes cover it")
+    sides = hull.sides(inside)
+    _Report(outline, cuts, owners_of, sides, frame, snap).check()
+    if not allow_parts:
+        _refuse_parts(hull, inside, owners_of, len(cuts), frame)
+
+    kept = np.flatnonzero(sides > 0)
+    used, edge_points = np.unique(hull.directed(inside)[kept], return_inverse=True)
+    owners = sorted({owners_of[edge] for edge in kept})
+    label_of = {label: number for number, label in enumerate(owners)}
+    return Drawing(
+        points=points[used],
+        edges=edge_points.reshape(-1, 2).astype(np.int64),
+        is_boundary=sides[kept] == 1,
+        labels=np.array([label_of[owners_of[edge]] for edge in kept], np.int64),
+        owners=owners,
+        cut_count=len(cuts),
+        area=float(hull.areas[inside].sum()),
+        frame=frame,
+    )
+
+
+def _line_work(drawn: Sequence[BaseGeometry], cut_count: int, frame: Frame) -> tuple[Floats, Integers]:
+    """Points and edges (start, end, owner) of everything drawn, in the unit frame."""
+    all_points: list[Floats] = []
+    all_edges: list[Integers] = []
+    count = 0
+    for owner, geometry in enumerate(drawn):
+        rings = [geometry.exterior, *geometry.interiors] if isinstance(geometry, shapely.Polygon) else [geometry]
+        for ring in rings:
+            points = frame.to_unit(shapely.get_coordinates(ring))
+            farthest = np.abs(points).max()
+            if farthest > FARTHEST:
+                what = f"cut {owner - 1}" if owner <= cut_count else f"line {owner - 1 - cut_count}"
+                raise GeometryError(f"{what} lies {farthest:.1e} sizes of the sheet away: is it in another unit?")
+            start = count + np.arange(len(points) - 1)
+            all_points.append(points)
+            all_edges.append(np.column_stack([start, start + 1, np.full(len(start), owner)]))
+            count += len(points)
+    return np.concatenate(all_points), np.concatenate(all_edges).astype(np.int64)
+
+
+def _owners(edge: Integers, owner: Integers, count: int) -> list[tuple[int, ...]]:
+    owners: list[list[int]] = [[] for _ in range(count)]
+    for number, who in sorted(zip(edge.tolist(), owner.tolist(), strict=True)):
+        owners[number].append(who)
+    return [tuple(group) for group in owners]
+
+
+def _solid(outline: shapely.Polygon, cuts: Sequence[BaseGeometry], frame: Frame) -> BaseGeometry:
+    holes = shapely.union_all([cut for cut in cuts if isinstance(cut, shapely.Polygon)])
+    return shapely.transform(shapely.difference(outline, holes), frame.to_unit)
+
+
+class _Hull:
+    """The triangulated convex hull of the line work, and what lies at the two sides of each drawn edge."""
+
+    def __init__(self, points: Floats, pairs: Integers) -> None:
+        none = np.empty((0, 3), np.int64)
+        made = triangulate(Triangulation(points, none, pairs, np.zeros(len(pairs), np.int64)))
+        self.points, self.triangles, self.pairs = made.points, made.triangles, pairs
+        self.corners = self.points[self.triangles]
+        one, two = self.corners[:, 1] - self.corners[:, 0], self.corners[:, 2] - self.corners[:, 0]
+        self.areas = 0.5 * np.abs(one[:, 0] * two[:, 1] - one[:, 1] * two[:, 0])
+        first, second = paired_half_edges(self.triangles)
+        start, end = self.triangles.ravel()[first], self.triangles[:, [1, 2, 0]].ravel()[first]
+        keys = np.minimum(start, end) * len(self.points) + np.maximum(start, end)  # ascending
+        wanted = pairs[:, 0] * len(self.points) + pairs[:, 1]
+        edge = np.minimum(np.searchsorted(keys, wanted), len(keys) - 1)
+        if len(self.points) != len(points) or (keys[edge] != wanted).any():
+            raise GeometryError("the mesh generator lost an edge of the drawing; try a larger `snap`")
+        self.directed_pairs = np.column_stack([start[edge], end[edge]])  # the first facet at the left
+        self.facets = np.column_stack([first // 3, np.where(second < 0, -1, second // 3)])[edge]
+
+    def classify(self, solid: BaseGeometry) -> NDArray[np.bool_]:
+        """Which triangles are sheet, decided per region by its largest triangle, which snapping cannot mislead."""
+        region = regions(self.triangles, self.pairs)
+        order = np.lexsort([-self.areas, region])
+        _, first = np.unique(region[order], return_index=True)
+        shapely.prepare(solid)
+        return shapely.contains_xy(solid, self.corners[order[first]].mean(axis=1))[region]
+
+    def _inside_at(self, inside: NDArray[np.bool_]) -> NDArray[np.bool_]:
+        return inside[self.facets] & (self.facets >= 0)
+
+    def sides(self, inside: NDArray[np.bool_]) -> Integers:
+        """Number of sides of each drawn edge that are sheet."""
+        return self._inside_at(inside).sum(axis=1)
+
+    def directed(self, inside: NDArray[np.bool_]) -> Integers:
+        """The drawn edges, those with sheet at one side turned to have it at the left."""
+        left, right = self._inside_at(inside).T
+        return np.where((right & ~left)[:, None], self.directed_pairs[:, ::-1], self.directed_pairs)
+
+
+def _refuse_parts(
+    hull: _Hull, inside: NDArray[np.bool_], owners_of: list[tuple[int, ...]], cut_count: int, frame: Frame
+) -> None:
+    separates = np.array([min(owners) <= cut_count for owners in owners_of])
+    part = regions(hull.triangles, hull.pairs[separates], among=inside)
+    names, area = np.unique(part[inside]), np.bincount(part, weights=hull.areas * inside)
+    if len(names) == 1:
+        return
+    names = names[np.argsort(-area[names], kind="stable")]
+    descriptions = []
+    for number, name in enumerate(names[:6], start=1):
+        members = part == name
+        corners = frame.from_unit(hull.corners[members].reshape(-1, 2))
+        (x0, y0), (x1, y1) = corners.min(axis=0), corners.max(axis=0)
+        touching = hull.sides(members) > 0
+        cuts = sorted({o - 1 for e in np.flatnonzero(touching) for o in owners_of[e] if OUTLINE < o <= cut_count})
+        descriptions.append(
+            f"part {number}: x {x0:.6g} to {x1:.6g}, y {y0:.6g} to {y1:.6g}, area {area[name] * frame.size**2:.4g}, "
+            f"along {_names(cuts)}"
+        )
+    more = [] if len(names) <= 6 else [f"and {len(names) - 6} smaller ones"]
+    raise GeometryError(
+        f"the cuts sever the sheet into {len(names)} parts:\n  " + "\n  ".join(descriptions + more) + "\n"
+        "Shorten a cut, draw a piece that is to fall out as a Polygon, or pass allow_parts=True."
+    )
+
+
+class _Report:
+    """Finds cuts that are useless or not what was drawn, from the number of sheet sides of their edges."""
+
+    def __init__(
+        self,
+        outline: shapely.Polygon,
+        cuts: Sequence[BaseGeometry],
+        owners_of: list[tuple[int, ...]],
+        sides: Integers,
+        frame: Frame,
+        snap: float,
+    ) -> None:
+        self.filled = shapely.Polygon(outline.exterior)
+        self.cuts, self.owners_of, self.sides, self.frame, self.snap = cuts, owners_of, sides, frame, snap
+        self.edges_of: list[list[int]] = [[] for _ in cuts]
+        for edge, owners in enumerate(owners_of):
+            for owner in owners:
+                if OUTLINE < owner <= len(cuts):
+                    self.edges_of[owner - 1].append(edge)
+
+    def check(self) -> None:
+        short, beyond, inert, thin = [], [], [], []
+        for number, cut in enumerate(self.cuts):
+            edges = self.edges_of[number]
+            sides = self.sides[edges]
+            if not edges:
+                short.append(number)
+            elif isinstance(cut, shapely.Polygon):
+                if (sides == 2).all():
+                    thin.append(number)
+                elif not any(self.sides[edge] == 1 and OUTLINE not in self.owners_of[edge] for edge in edges):
+                    self._refuse_if_outside(number, edges)
+                    inert.append(number)
+            elif not (sides == 2).any():
+                self._refuse_if_outside(number, edges)
+                inert.append(number)
+            elif (sides < 2).any():
+                beyond.append(number)
+        snap = f"{self.snap * self.frame.size:.3g}"
+        self._warn(short, f"smaller than the snapping distance {snap} and left out")
+        self._warn(thin, f"narrower than the snapping distance {snap} and taken as a slit")
+        self._warn(inert, "inside a hole or along the edge of one, and without effect")
+        self._warn(beyond, "drawn beyond the edge of the sheet or of a hole; what lies beyond is left out")
+        self._warn(self._touching_holes(), "holes that touch or overlap, and merged")
+        self._warn(self._repeated(), "drawn on top of each other, in part or whole, and merged")
+
+    def _refuse_if_outside(self, number: int, edges: list[int]) -> None:
+        cut = self.cuts[number]
+        place = cut.representative_point()
+        where = f"cut {number} near ({place.x:.6g}, {place.y:.6g})"
+        if any(self.sides[edge] == 1 and OUTLINE in self.owners_of[edge] for edge in edges):
+            raise GeometryError(f"{where} runs along the outline and cuts nothing; remove it or move it into the sheet")
+        if not self.filled.covers(place):
+            x0, y0, x1, y1 = self.filled.bounds
+            raise GeometryError(
+                f"{where} lies outside the sheet, which spans x {x0:.6g} to {x1:.6g} and y {y0:.6g} to {y1:.6g}; remove "
+                "it or check its units"
+            )
+
+    def _touching_holes(self) -> list[int]:
+        holes = [number for number, cut in enumerate(self.cuts) if isinstance(cut, shapely.Polygon)]
+        if len(holes) < 2:
+            return []
+        geometry = np.array([self.cuts[number] for number in holes], dtype=object)
+        reach = 0.5 * self.snap * self.frame.size
+        pairs = shapely.STRtree(geometry).query(geometry, "dwithin", distance=reach).T
+        return sorted({holes[one] for one, other in pairs.tolist() if one != other})
+
+    def _repeated(self) -> list[int]:
+        repeated: set[int] = set()
+        for edge in np.flatnonzero(self.sides == 2):
+            cuts = [owner - 1 for owner in self.owners_of[edge] if OUTLINE < owner <= len(self.cuts)]
+            if len(cuts) > 1:
+                repeated.update(cuts)
+        return sorted(repeated)
+
+    def _warn(self, numbers: list[int], what: str) -> None:
+        if numbers:
+            verb = "is" if len(numbers) == 1 else "are"
+            message = f"{_names(numbers)} {verb} {what}; the first lies at {self._place(numbers[0])}"
+            warnings.warn(message, KirigamiWarning, stacklevel=5)
+
+    def _place(self, number: int) -> str:
+        x, y = shapely.get_coordinates(self.cuts[number])[0]
+        return f"({x:.6g}, {y:.6g})"
+
+
+def _names(numbers: Sequence[int]) -> str:
+    """A short list of cuts for a message."""
+    if not numbers:
+        return "no cut"
+    shown = ", ".join(str(number) for number in numbers[:8])
+    return f"cut{'s' if len(numbers) > 1 else ''} {shown}" + (
+        f" and {len(numbers) - 8} more" if len(numbers) > 8 else ""
+    )

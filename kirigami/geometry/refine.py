@@ -1,0 +1,227 @@
+"""From a clean drawing to a graded triangulation: sizes, subdivision of the drawn edges, refinement and smoothing."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kirigami.errors import GeometryError
+from kirigami.geometry.clean import Drawing
+from kirigami.geometry.topology import paired_half_edges
+from kirigami.geometry.triangulate import Triangulation, carve, triangulate
+
+Integers = NDArray[np.int64]
+Floats = NDArray[np.float64]
+
+GROWTH = 0.3  # increase of the edge length per distance from a cut
+LONGEST = 1.1  # no edge is longer than this times max_edge
+MAX_FACETS = 2_000_000
+EQUILATERAL = np.sqrt(3.0) / 4.0
+REFINEMENT_ROUNDS = 30
+SMOOTHING_ROUNDS = 6
+NONE = np.empty((0, 3), np.int64)
+
+
+@dataclass(frozen=True)
+class SizeField:
+    """Wanted edge length: ``cut_edge`` at the cuts, growing with the distance from them up to ``max_edge``."""
+
+    max_edge: float
+    cut_edge: float
+    cut_samples: Floats
+
+    def __call__(self, points: Floats) -> Floats:
+        if not len(self.cut_samples):
+            return np.full(len(points), self.max_edge)
+        from scipy.spatial import KDTree
+
+        distance, _ = KDTree(self.cut_samples).query(points)
+        return np.minimum(self.max_edge, self.cut_edge + GROWTH * np.maximum(distance - 0.5 * self.cut_edge, 0.0))
+
+
+def triangulate_drawing(drawing: Drawing, max_edge: float, cut_edge: float, min_angle: float) -> Triangulation:
+    """Triangulate a clean drawing with graded edge lengths, all in its unit frame.
+
+    Parameters
+    ----------
+    drawing : Drawing
+        What `kirigami.geometry.clean.clean` returns.
+    max_edge, cut_edge : float
+        Edge lengths far from the cuts and along them.
+    min_angle : float
+        Smallest angle in degrees, kept wherever the drawing itself has no sharper one.
+
+    Raises
+    ------
+    GeometryError
+        If the edge lengths ask for more than two million facets, or a sliver for far more than expected.
+    """
+    is_cut = drawing.label_is_cut[drawing.labels]
+    facets = _expected_facets(drawing, is_cut, max_edge, cut_edge)
+    if facets > MAX_FACETS:
+        raise GeometryError(
+            f"max_edge = {max_edge * drawing.frame.size:.4g} and cut_edge = {cut_edge * drawing.frame.size:.4g} ask for "
+            f"about {facets:.1e} facets; the limit is {MAX_FACETS:.0e}. Take longer edges"
+        )
+    points, segments, labels, boundary = [drawing.points], [], [], []
+    lengths = np.linalg.norm(drawing.points[drawing.edges[:, 1]] - drawing.points[drawing.edges[:, 0]], axis=1)
+    count = len(drawing.points)
+
+    def add(edge: int, fractions: Floats) -> None:
+        """Divide a drawn edge at these fractions of its length, ends left out."""
+        nonlocal count
+        begin, end = drawing.edges[edge]
+        inner = np.arange(count, count + len(fractions))
+        count += len(fractions)
+        points.append(drawing.points[begin] + fractions[:, None] * (drawing.points[end] - drawing.points[begin]))
+        chain = np.concatenate([[begin], inner, [end]])
+        segments.append(np.column_stack([chain[:-1], chain[1:]]))
+        labels.append(np.full(len(chain) - 1, drawing.labels[edge]))
+        if drawing.is_boundary[edge]:
+            boundary.append(segments[-1])
+
+    for edge in np.flatnonzero(is_cut).tolist():
+        pieces = _pieces(lengths[edge] / cut_edge)
+        add(edge, np.arange(1, pieces) / pieces)
+    cut_points = np.concatenate([*points[1:], drawing.points[np.unique(drawing.edges[is_cut])]])
+    size = SizeField(max_edge, cut_edge, cut_points)
+    for edge in np.flatnonzero(~is_cut).tolist():
+        begin, end = drawing.points[drawing.edges[edge]]
+        add(edge, _graded_fractions(begin, end, lengths[edge], size))
+
+    drawn = Triangulation(np.concatenate(points), NONE, np.concatenate(segments), np.concatenate(labels))
+    start = carve(triangulate(drawn), np.concatenate(boundary))
+    limit = int(4 * facets) + 20_000
+    made = _refined(start, size, min_angle, limit)
+    if len(made.points) - len(start.points) >= limit:
+        centre = made.points[made.triangles[np.argmin(signed_areas(made.points, made.triangles))]].mean(axis=0)
+        raise GeometryError(
+            f"more than {limit} nodes are needed where the drawing leaves a very narrow sliver or gap, near "
+            f"{drawing.frame.place(centre)}; move the cuts apart, or close it by a larger `snap`"
+        )
+    return _smoothed(made, size, min_angle)
+
+
+def _expected_facets(drawing: Drawing, is_cut: NDArray[np.bool_], max_edge: float, cut_edge: float) -> float:
+    """Facets of a uniform mesh, and of the graded bands along the cuts as long as these do not overlap."""
+    ends = drawing.points[drawing.edges[is_cut]]
+    cut_length = np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1).sum()
+    band = min(2.0 * cut_length / (EQUILATERAL * GROWTH * cut_edge), drawing.area / (EQUILATERAL * cut_edge**2))
+    return float(drawing.area / (EQUILATERAL * max_edge**2) + band)
+
+
+def _pieces(ratio: float) -> int:
+    return max(1, int(np.ceil(ratio - 1e-6)))  # equal lengths may differ by rounding
+
+
+def _graded_fractions(begin: Floats, end: Floats, length: float, size: SizeField) -> Floats:
+    """Where to divide an edge so that every piece is as long as wanted at its place."""
+    samples = np.linspace(0.0, 1.0, 2 + int(np.ceil(4 * length / size.cut_edge)))
+    density = length / size(begin + samples[:, None] * (end - begin))
+    pieces_before = np.concatenate([[0.0], np.cumsum(0.5 * (density[1:] + density[:-1]) * np.diff(samples))])
+    pieces = _pieces(pieces_before[-1])
+    return np.interp(np.arange(1, pieces) * pieces_before[-1] / pieces, pieces_before, samples)
+
+
+def _refined(start: Triangulation, size: SizeField, min_angle: float, limit: int) -> Triangulation:
+    made = triangulate(start, min_angle=min_angle, max_new_points=limit)
+    for _ in range(REFINEMENT_ROUNDS):
+        corners = made.points[made.triangles]
+        area = signed_areas(made.points, made.triangles)
+        longest = np.linalg.norm(corners - corners[:, [1, 2, 0]], axis=2).max(axis=1)
+        # 1.2 as a mesh refined to a largest area has a mean area well below it
+        largest = 1.2 * EQUILATERAL * size(corners.mean(axis=1)) ** 2
+        largest = np.where(longest > size.max_edge * (1 + 1e-6), np.minimum(largest, 0.6 * area), largest)
+        left = limit - (len(made.points) - len(start.points))
+        if not (area > largest).any() or left <= 0:
+            return made
+        made = triangulate(made, min_angle=min_angle, max_areas=largest, max_new_points=left)
+    return made
+
+
+def _smoothed(made: Triangulation, size: SizeField, min_angle: float) -> Triangulation:
+    """Move free points to where the circumcentres of the facets round them balance, then restore Delaunay.
+
+    This is optimal Delaunay triangulation (Chen and Holst 2011), with facets weighted for graded sizes. A round that does
+    not keep the limits on angles and edges is not taken.
+    """
+    fixed = np.zeros(len(made.points), bool)
+    fixed[made.segments] = True
+    current = best = made
+    best_angles = mean_smallest_angle(made)
+    least = min(min_angle, smallest_angle(made)) - 1.0
+    boundary = boundary_pairs(made.triangles)
+    for _ in range(SMOOTHING_ROUNDS):
+        points = _moved(current, fixed, size)
+        current = carve(triangulate(Triangulation(points, NONE, made.segments, made.markers)), boundary)
+        if len(current.points) != len(points) or len(current.triangles) != len(made.triangles):
+            return best
+        angles, ends = mean_smallest_angle(current), current.points[current.triangles]
+        longest = np.linalg.norm(ends - ends[:, [1, 2, 0]], axis=2).max()
+        if angles > best_angles and smallest_angle(current) >= least and longest <= LONGEST * size.max_edge:
+            best, best_angles = current, angles
+    return best
+
+
+def _moved(made: Triangulation, fixed: NDArray[np.bool_], size: SizeField) -> Floats:
+    points, triangles = made.points, made.triangles
+    corners = points[triangles]
+    centroids = corners.mean(axis=1)
+    weights = signed_areas(points, triangles) / size(centroids) ** 3
+    total = np.bincount(triangles.ravel(), np.repeat(weights, 3), minlength=len(points))
+    moved = points.copy()
+    for axis, centre in enumerate(_circumcentres(corners).T):
+        sums = np.bincount(triangles.ravel(), np.repeat(weights * centre, 3), minlength=len(points))
+        moved[~fixed, axis] = (sums / np.where(total > 0, total, 1.0))[~fixed]
+    # Points of a facet that would turn over or nearly so go back: the moved triangulation stays a valid one, hence no
+    # two points meet and none leaves the sheet.
+    before = signed_areas(points, triangles)
+    while (turned := signed_areas(moved, triangles) < 0.1 * before).any():
+        back = triangles[turned].ravel()
+        if (moved[back] == points[back]).all():
+            return points.copy()
+        moved[back] = points[back]
+    return moved
+
+
+def _circumcentres(corners: Floats) -> Floats:
+    origin = corners[:, 0]
+    one, two = corners[:, 1] - origin, corners[:, 2] - origin
+    squares = np.einsum("mx,mx->m", one, one), np.einsum("mx,mx->m", two, two)
+    double_area = one[:, 0] * two[:, 1] - one[:, 1] * two[:, 0]
+    x = two[:, 1] * squares[0] - one[:, 1] * squares[1]
+    y = one[:, 0] * squares[1] - two[:, 0] * squares[0]
+    return origin + np.column_stack([x, y]) / (2.0 * double_area)[:, None]
+
+
+def boundary_pairs(triangles: Integers) -> Integers:
+    """Boundary edges, directed with their triangle at the left."""
+    first, second = paired_half_edges(triangles)
+    half = first[second < 0]
+    return np.column_stack([triangles.ravel()[half], triangles[:, [1, 2, 0]].ravel()[half]])
+
+
+def signed_areas(points: Floats, triangles: Integers) -> Floats:
+    """Area of each triangle, positive if it is counter-clockwise."""
+    corners = points[triangles]
+    one, two = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
+    return 0.5 * (one[:, 0] * two[:, 1] - one[:, 1] * two[:, 0])
+
+
+def _angles(made: Triangulation) -> Floats:
+    corners = made.points[made.triangles]
+    sides = corners[:, [1, 2, 0]] - corners
+    cosines = -np.einsum("mcx,mcx->mc", sides, np.roll(sides, 1, axis=1))
+    return np.degrees(np.arctan2(2.0 * signed_areas(made.points, made.triangles)[:, None], cosines))
+
+
+def smallest_angle(made: Triangulation) -> float:
+    """Smallest angle in degrees."""
+    return float(_angles(made).min())
+
+
+def mean_smallest_angle(made: Triangulation) -> float:
+    """Mean over the triangles of their smallest angle in degrees: 60 for equilateral ones."""
+    return float(_angles(made).min(axis=1).mean())

@@ -1,0 +1,325 @@
+"""A sheet with cuts: an outline, slits without width, holes with area, and the way to a mesh."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Iterable, Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+from shapely.geometry.base import BaseGeometry
+
+from kirigami.errors import GeometryError, KirigamiWarning
+from kirigami.geometry.clean import Drawing, clean
+from kirigami.geometry.mesh import TriMesh
+from kirigami.geometry.refine import LONGEST, signed_areas, triangulate_drawing
+from kirigami.geometry.triangulate import Triangulation
+from kirigami.geometry.unzip import find_cuts, unzip
+
+if TYPE_CHECKING:
+    from kirigami.model import Material
+
+CUT_FRACTION = 0.4  # default edge length along cuts, as a fraction of max_edge
+SNAP_PER_EDGE = 200  # the default snapping distance is this part of cut_edge
+LARGEST_SNAP, SMALLEST_SNAP = 1e-4, 1e-9  # default and limit, fractions of the size of the sheet
+POOR_ANGLE = 20.0  # degrees; below, bars and hinges lose accuracy
+LARGEST_MIN_ANGLE = 33.0  # degrees; beyond, refinement need not come to an end
+
+
+class Sheet:
+    """A thin sheet in the plane, with its cuts.
+
+    Parameters
+    ----------
+    outline : shapely.Polygon or sequence of (x, y)
+        The sheet before it is cut; interior rings are holes of the sheet, not numbered as cuts.
+    cuts : geometry or nested sequences of geometries
+        ``LineString`` and ``LinearRing`` are slits without width, ``Polygon`` is an opening with area; collections and
+        lists are taken apart in order, and the position in the resulting flat tuple is the number of the cut. A
+        sequence of (x, y) pairs is a slit.
+    thickness : float, optional
+        Thickness in the unit of the coordinates, handed on to the mesh and the model.
+    material : Material, optional
+        Handed on to the mesh and the model.
+
+    Raises
+    ------
+    GeometryError
+        If the outline crosses itself or encloses no area, or a coordinate is not finite, or a cut is neither line nor
+        polygon.
+
+    Examples
+    --------
+    >>> sheet = Sheet(shapely.box(0, 0, 2, 1), cuts=shapely.LineString([(0.5, 0.5), (1.5, 0.5)]))
+    >>> sheet
+    Sheet(2 x 1, area 2, 1 slit, 0 openings)
+    >>> mesh = sheet.mesh(max_edge=0.1)
+    >>> len(mesh.cuts), round(mesh.facet_areas.sum(), 10)
+    (1, 2.0)
+    """
+
+    def __init__(
+        self,
+        outline: shapely.Polygon | Sequence[Sequence[float]] | NDArray[np.float64],
+        cuts: Any = (),
+        thickness: float | None = None,
+        material: Material | None = None,
+    ) -> None:
+        self.outline = _checked_outline(outline)
+        self.cuts: tuple[BaseGeometry, ...] = tuple(
+            _checked_line_or_polygon(cut, f"cut {number}") for number, cut in enumerate(_flattened(cuts))
+        )
+        self.thickness = thickness
+        self.material = material
+
+    @property
+    def area(self) -> float:
+        """Area of the sheet without its holes and openings."""
+        openings = [cut for cut in self.cuts if isinstance(cut, shapely.Polygon)]
+        return float(shapely.difference(self.outline, shapely.union_all(openings)).area)
+
+    @property
+    def bounds(self) -> tuple[float, float, float, float]:
+        """Bounding box of the outline: xmin, ymin, xmax, ymax."""
+        xmin, ymin, xmax, ymax = self.outline.bounds
+        return xmin, ymin, xmax, ymax
+
+    def mesh(
+        self,
+        max_edge: float,
+        cut_edge: float | None = None,
+        min_angle: float = 28.0,
+        *,
+        lines: Mapping[str, BaseGeometry] | Sequence[BaseGeometry] = (),
+        snap: float | None = None,
+        allow_parts: bool = False,
+    ) -> TriMesh:
+        """Mesh the sheet with triangles, open along every slit.
+
+        Parameters
+        ----------
+        max_edge : float
+            Longest wanted edge, in the unit of the coordinates; no edge is longer than 1.1 times this.
+        cut_edge : float, optional
+            Longest edge along the cuts, 0.4 ``max_edge`` unless given; in between the length grows gradually.
+        min_angle : float
+            Smallest wanted angle in degrees, at most 33; kept to within a degree unless the drawing has sharper corners.
+        lines : mapping of str to geometry, or sequence of geometries
+            Lines that are to be mesh edges without being cut, for example the edge of a grip. The nodes on a line with a
+            name become the node set of that name.
+        snap : float, optional
+            Length below which details of the drawing close: points nearer than this become one, and ends of cuts that
+            miss by less than half of it are moved onto what they nearly touch. Unless given, ``cut_edge / 200`` but not
+            more than 1e-4 of the size of the sheet: what is smaller would only make slivers.
+        allow_parts : bool
+            Accept cuts that sever the sheet.
+
+        Returns
+        -------
+        TriMesh
+
+        Raises
+        ------
+        GeometryError
+            If the cuts sever the sheet, or a cut lies outside of it or along its outline, or the edge lengths are not
+            positive or ask for more than two million facets, or the drawing leaves a sliver that needs too many.
+
+        Warns
+        -----
+        KirigamiWarning
+            About repairs of the drawing, and about angles below 20 degrees.
+        """
+        max_edge = _positive("max_edge", max_edge)
+        cut_edge = min(CUT_FRACTION * max_edge if cut_edge is None else _positive("cut_edge", cut_edge), max_edge)
+        if not 0.0 < min_angle <= LARGEST_MIN_ANGLE:
+            raise GeometryError(f"min_angle must lie between 0 and {LARGEST_MIN_ANGLE:g} degrees, not {min_angle}")
+        names, geometries = _named_lines(lines)
+        xmin, ymin, xmax, ymax = self.bounds
+        size = max(xmax - xmin, ymax - ymin)
+        relative = (
+            min(cut_edge / (SNAP_PER_EDGE * size), LARGEST_SNAP) if snap is None else _positive("snap", snap) / size
+        )
+        if not SMALLEST_SNAP <= relative <= 1e-2:
+            raise GeometryError(
+                f"details can be snapped at {SMALLEST_SNAP * size:.3g} to {1e-2 * size:.3g} for a sheet of this size, "
+                f"not at {relative * size:.3g}" + ("; cut_edge is too short" if snap is None else "")
+            )
+        drawing = clean(self.outline, self.cuts, geometries, float(f"{relative:.12g}"), allow_parts)
+        # rounded so that the same drawing in another unit gives the same mesh
+        lengths = [float(f"{length / size:.12g}") for length in (max_edge, cut_edge)]
+        made = triangulate_drawing(drawing, lengths[0], lengths[1], min_angle)
+        mesh = self._opened(drawing, made, names)
+        _verify(mesh, drawing, made, max_edge, allow_parts)
+        return mesh
+
+    def _opened(self, drawing: Drawing, made: Triangulation, names: list[str]) -> TriMesh:
+        separates = drawing.label_separates[made.markers]
+        triangles, origin = unzip(made.triangles, made.segments[separates])
+        nodes = self._exact(drawing, made.points)[origin]
+        sets: dict[str, list[NDArray[np.int64]]] = {name: [] for name in names if name}
+        for owner, name in enumerate(names, start=1 + len(self.cuts)):
+            if name:
+                on_line = np.array([owner in owners for owners in drawing.owners])[made.markers]
+                sets[name].append(np.flatnonzero(np.isin(origin, made.segments[on_line])))
+        node_sets = {name: np.concatenate(pieces) for name, pieces in sets.items()}
+        for name, nodes_on_line in node_sets.items():
+            if not nodes_on_line.size:
+                raise GeometryError(f"line {name!r} does not meet the sheet")
+        bare = TriMesh(nodes, triangles, node_sets, thickness=self.thickness, material=self.material)
+        label = {
+            (min(pair), max(pair)): number
+            for pair, number in zip(made.segments.tolist(), made.markers.tolist(), strict=True)
+        }
+        cuts_of = [drawing.cuts_of(number) for number in range(len(drawing.owners))]
+        boundary_cuts = []
+        for loop in bare.boundary_loops:
+            ends = np.sort(np.column_stack([origin[loop], origin[np.roll(loop, -1)]]), axis=1)
+            boundary_cuts.append([cuts_of[label[low, high]] for low, high in ends.tolist()])
+        return bare.with_cuts(find_cuts(bare, boundary_cuts))
+
+    def _exact(self, drawing: Drawing, unit_points: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Coordinates in the unit of the drawing; those that rounding has moved off a drawn one are put back on it."""
+        points = drawing.frame.from_unit(unit_points)
+        drawn = np.concatenate([shapely.get_coordinates(geometry) for geometry in (self.outline, *self.cuts)])
+        reach = 2e-12 * drawing.frame.size + 4 * np.finfo(float).eps * np.abs(drawn).max()
+        for axis in (0, 1):
+            values = np.unique(drawn[:, axis])
+            above = np.searchsorted(values, points[:, axis]).clip(1, len(values) - 1)
+            below = values[above - 1]
+            nearest = np.where(points[:, axis] - below < values[above] - points[:, axis], below, values[above])
+            points[:, axis] = np.where(np.abs(points[:, axis] - nearest) <= reach, nearest, points[:, axis])
+        return points
+
+    def plot(self, **options: Any) -> Any:
+        """Draw the outline and the cuts; options as for `kirigami.plot.plot_sheet`."""
+        from kirigami.plot import plot_sheet
+
+        return plot_sheet(self, **options)
+
+    def _repr_svg_(self) -> str:
+        return str(shapely.GeometryCollection([self.outline, *self.cuts])._repr_svg_())
+
+    def __repr__(self) -> str:
+        xmin, ymin, xmax, ymax = self.bounds
+        openings = sum(isinstance(cut, shapely.Polygon) for cut in self.cuts)
+        slits = len(self.cuts) - openings
+        return (
+            f"Sheet({xmax - xmin:.4g} x {ymax - ymin:.4g}, area {self.area:.4g}, "
+            f"{slits} slit{'' if slits == 1 else 's'}, {openings} opening{'' if openings == 1 else 's'})"
+        )
+
+
+def _verify(mesh: TriMesh, drawing: Drawing, made: Triangulation, max_edge: float, allow_parts: bool) -> None:
+    """Hold the mesh to what a mesh of this drawing must be; the mesh generator itself reports nothing."""
+    area = float(signed_areas(made.points, made.triangles).sum())
+    if abs(area - drawing.area) > 1e-10 * drawing.area:
+        raise GeometryError(
+            f"the mesh generator failed: the facets cover {area / drawing.area:.6f} of the sheet; simplify the drawing "
+            "or try another max_edge"
+        )
+    parts = int(mesh.facet_parts.max()) + 1
+    if parts > 1 and not allow_parts:
+        raise GeometryError(f"the mesh generator failed: the mesh has {parts} parts; try another max_edge")
+    if mesh.min_angle < POOR_ANGLE:
+        # the corner of the drawing, or the detail, to look at
+        worst = mesh.nodes[mesh.triangles[int(np.argmin(mesh.facet_min_angles))], :2].mean(axis=0)
+        warnings.warn(
+            f"the smallest angle of the mesh is {mesh.min_angle:.3g} degrees, at ({worst[0]:.6g}, {worst[1]:.6g}): the "
+            "drawing has a sharp corner or a narrow gap there",
+            KirigamiWarning,
+            stacklevel=3,
+        )
+    longest = int(np.argmax(mesh.edge_lengths))
+    if mesh.edge_lengths[longest] > LONGEST * max_edge:
+        x, y, _ = mesh.nodes[mesh.edges[longest]].mean(axis=0)
+        warnings.warn(
+            f"an edge at ({x:.6g}, {y:.6g}) is {mesh.edge_lengths[longest] / max_edge:.3g} times max_edge",
+            KirigamiWarning,
+            stacklevel=3,
+        )
+
+
+# --- what may be drawn ---------------------------------------------------------------------------------------------
+
+
+def _positive(name: str, value: float) -> float:
+    if not (np.isfinite(value) and value > 0):
+        raise GeometryError(f"{name} must be a positive length, not {value}")
+    return float(value)
+
+
+def _is_coordinates(item: Any) -> bool:
+    try:
+        array = np.asarray(item, dtype=float)
+    except (TypeError, ValueError):
+        return False
+    return array.ndim == 2 and array.shape[1] in (2, 3)
+
+
+def _checked_outline(outline: Any) -> shapely.Polygon:
+    if not isinstance(outline, BaseGeometry):
+        if not _is_coordinates(outline) or len(outline) < 3:
+            raise GeometryError("the outline must be a shapely Polygon or at least three (x, y) pairs")
+        _check_finite(np.asarray(outline, dtype=float), "the outline")
+        outline = shapely.Polygon(outline)
+    if isinstance(outline, shapely.MultiPolygon) and len(outline.geoms) == 1:
+        outline = outline.geoms[0]
+    if not isinstance(outline, shapely.Polygon):
+        parts = f" of {len(outline.geoms)} parts" if hasattr(outline, "geoms") else ""
+        raise GeometryError(f"the outline must be one Polygon, not a {outline.geom_type}{parts}")
+    checked = _checked_line_or_polygon(outline, "the outline")
+    assert isinstance(checked, shapely.Polygon)
+    return checked
+
+
+def _checked_line_or_polygon(geometry: BaseGeometry, what: str) -> BaseGeometry:
+    if not isinstance(geometry, (shapely.LineString, shapely.Polygon)):
+        raise GeometryError(f"{what} is a {geometry.geom_type}; only lines (slits) and polygons (openings) can be cut")
+    coordinates = shapely.get_coordinates(geometry)
+    _check_finite(coordinates, what)
+    geometry = shapely.force_2d(geometry)
+    if isinstance(geometry, shapely.Polygon):
+        if not geometry.is_valid:
+            raise GeometryError(f"{what} is not a simple polygon: {shapely.is_valid_reason(geometry)}")
+        if not geometry.area > 0:
+            raise GeometryError(f"{what} near {tuple(coordinates[0].tolist()) if len(coordinates) else ()} has no area")
+    return geometry
+
+
+def _check_finite(coordinates: NDArray[np.float64], what: str) -> None:
+    bad = np.flatnonzero(~np.isfinite(coordinates[:, :2]).all(axis=1))
+    if bad.size:
+        raise GeometryError(f"{what} has a coordinate that is not finite: point {bad[0]} is {coordinates[bad[0]]}")
+
+
+def _flattened(cuts: Any) -> Iterable[BaseGeometry]:
+    """Simple geometries of nested collections and lists, in order."""
+    if isinstance(cuts, BaseGeometry):
+        if hasattr(cuts, "geoms"):
+            for part in cuts.geoms:
+                yield from _flattened(part)
+        elif not cuts.is_empty:
+            yield cuts
+    elif _is_coordinates(cuts):
+        points = np.asarray(cuts, dtype=float)[:, :2]
+        if len(points) < 2:
+            raise GeometryError(f"a slit needs at least two points, not {points.tolist()}")
+        yield shapely.LineString(points)
+    elif isinstance(cuts, Iterable) and not isinstance(cuts, (str, bytes, Mapping)):
+        for part in cuts:
+            yield from _flattened(part)
+    else:
+        raise GeometryError(f"cuts must be shapely geometries, points or lists of them, not {type(cuts).__name__}")
+
+
+def _named_lines(lines: Any) -> tuple[list[str], list[BaseGeometry]]:
+    """Names and geometries of the embedded lines; a collection under one name is taken apart under that name."""
+    items = lines.items() if isinstance(lines, Mapping) else [("", lines)]
+    names, geometries = [], []
+    for name, geometry in items:
+        for part in _flattened(geometry):
+            names.append(name)
+            geometries.append(_checked_line_or_polygon(part, f"line {name!r}"))
+    return names, geometries

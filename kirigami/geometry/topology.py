@@ -1,0 +1,102 @@
+"""Half-edges and orientation: the combinatorics of triangles that mesh, cleaning and refinement share."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kirigami.errors import GeometryError
+
+Integers = NDArray[np.int64]
+Floats = NDArray[np.float64]
+
+
+def pair_keys(pairs: Integers, count: int) -> Integers:
+    """One integer per unordered pair of nodes."""
+    return pairs.min(axis=1) * count + pairs.max(axis=1)
+
+
+def paired_half_edges(triangles: Integers) -> tuple[Integers, Integers]:
+    """First and second (or -1) half-edge of each edge; of two, the first starts at the smaller node."""
+    start, end = triangles.ravel(), triangles[:, [1, 2, 0]].ravel()
+    keys = pair_keys(np.column_stack([start, end]), int(triangles.max()) + 1)
+    order = np.argsort(keys, kind="stable")
+    ranked = keys[order]
+    is_new = np.concatenate([[True], ranked[1:] != ranked[:-1]])
+    edge = np.cumsum(is_new) - 1
+    crowded = np.flatnonzero(np.bincount(edge) > 2)
+    if crowded.size:
+        halves = order[edge == crowded[0]]
+        raise GeometryError(
+            f"the edge between nodes {start[halves[0]]} and {end[halves[0]]} belongs to {len(halves)} facets "
+            f"({', '.join(str(half // 3) for half in halves)}); a sheet has at most two at an edge"
+        )
+    first = order[is_new]
+    second = np.full(len(first), -1)
+    second[edge[~is_new]] = order[~is_new]
+    swap = (second >= 0) & (start[first] > end[first])
+    first[swap], second[swap] = second[swap], first[swap]
+    return first, second
+
+
+def sides(nodes: Floats, triangles: Integers) -> Floats:
+    """Vectors from each corner to the next, shape (m, 3, 3)."""
+    corners = nodes[triangles]
+    return corners[:, [1, 2, 0]] - corners
+
+
+def area_vectors(nodes: Floats, triangles: Integers) -> Floats:
+    """Normal of each facet times its area, shape (m, 3)."""
+    vectors = sides(nodes, triangles)
+    return 0.5 * np.cross(vectors[:, 0], vectors[:, 1])
+
+
+def oriented_triangles(nodes: Floats, triangles: Integers) -> Integers:
+    """Facets turned so that neighbours agree and the sheet as a whole faces +z."""
+    oriented = triangles.copy()
+    if np.ptp(nodes[:, 2]) == 0.0:
+        _flip(oriented, area_vectors(nodes, oriented)[:, 2] < 0)
+    else:
+        _flip(oriented, _flips_of_a_surface(nodes, oriented))
+    first, second = paired_half_edges(oriented)
+    both = second >= 0
+    start = oriented.ravel()
+    clash = np.flatnonzero(both & (start[first] == start[second]))
+    if clash.size:
+        facets = first[clash[0]] // 3, second[clash[0]] // 3
+        place = nodes[oriented[facets[0]]].mean(axis=0)
+        raise GeometryError(
+            f"facets {facets[0]} and {facets[1]} overlap: both lie on one side of their edge near {place}"
+        )
+    return oriented
+
+
+def _flips_of_a_surface(nodes: Floats, triangles: Integers) -> NDArray[np.bool_]:
+    """Which facets to turn, from a graph that holds every facet twice, as it is and turned.
+
+    Links join the states in which neighbours agree. Each part of the surface then appears as two components, one for
+    each way round; if they are the same component the surface has only one side.
+    """
+    from scipy.sparse import coo_array
+    from scipy.sparse.csgraph import connected_components
+
+    first, second = paired_half_edges(triangles)
+    both = second >= 0
+    start, count = triangles.ravel(), len(triangles)
+    agree = start[first[both]] != start[second[both]]
+    left, right = first[both] // 3, second[both] // 3
+    rows = np.concatenate([left, left + count])
+    columns = np.concatenate([np.where(agree, right, right + count), np.where(agree, right + count, right)])
+    graph = coo_array((np.ones(len(rows), np.int8), (rows, columns)), shape=(2 * count, 2 * count))
+    state = connected_components(graph, directed=False)[1]
+    if (state[:count] == state[count:]).any():
+        raise GeometryError("the surface has only one side, like a Moebius band: its facets cannot be oriented")
+    upward = area_vectors(nodes, triangles)[:, 2]
+    facing = np.bincount(state, weights=np.concatenate([upward, -upward]))
+    kept, turned = facing[state[:count]], facing[state[count:]]
+    level = np.abs(kept - turned) <= 1e-12 * np.abs(upward).sum()  # a closed or upright part: keep its first facet
+    return np.where(level, state[:count] > state[count:], turned > kept)
+
+
+def _flip(triangles: Integers, which: NDArray[np.bool_]) -> None:
+    triangles[which, 1:] = triangles[which, :0:-1]

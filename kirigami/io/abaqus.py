@@ -1,0 +1,157 @@
+"""A sheet model as an Abaqus input file, which CalculiX reads as well."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterable, Iterator, Sequence
+from pathlib import Path
+
+import numpy as np
+
+from kirigami.errors import ModelError
+from kirigami.io.files import whole_file
+from kirigami.io.shell import Shell, checked_targets, shell_of
+from kirigami.kernel import Array
+from kirigami.model import Model
+
+NODES_OF = {"S3": 3, "STRI3": 3, "S6": 6, "STRI65": 6}
+
+
+def to_abaqus(
+    model: Model,
+    path: str | os.PathLike[str],
+    *,
+    targets: Sequence[float] = (1.0,),
+    increments: int = 20,
+    element: str = "S3",
+) -> Path:
+    """Write the same sheet as a shell model, ready to run in Abaqus or CalculiX.
+
+    Mesh, thickness, material, stress-free imperfection, supports and nodal loads are handed over; the calibration of
+    bars and hinges is not, since a shell needs none. There is one static step with large displacements for each target,
+    and before them one for what acts at load factor zero. Reactions and displacements of the supports are printed
+    (CalculiX: file .dat), displacements of all nodes are stored.
+
+    Parameters
+    ----------
+    model : Model
+        Made by ``Model.from_mesh``, in three dimensions.
+    path : path
+        The file, by custom ending in .inp.
+    targets : sequence of float
+        Load factors to reach, one step each.
+    increments : int
+        First guess of the increments in each step; both programs adapt them.
+    element : {"S3", "STRI3", "S6", "STRI65"}
+        "S3" is read by both programs. CalculiX turns it into linear wedges, which are far too stiff in bending: choose
+        "S6" there, with a node in the middle of each edge. "STRI3" and "STRI65" are thin shells of Abaqus.
+
+    Raises
+    ------
+    ModelError
+        The model has no mesh, holds ties, effects or elements beyond the sheet, or an argument is wrong.
+    KirigamiError
+        The file cannot be written.
+
+    Examples
+    --------
+    >>> import tempfile, kirigami as kg
+    >>> mesh = kg.TriMesh([[0, 0], [1, 0], [1, 1], [0, 1]], [[0, 1, 2], [0, 2, 3]])
+    >>> m = kg.Model.from_mesh(mesh, thickness=0.01, material=kg.Material(E=1e9))
+    >>> held = m.add(kg.Fix(m.select(boundary="bottom")), kg.Prescribe(m.select(boundary="top"), y=0.1))
+    >>> print(to_abaqus(m, Path(tempfile.mkdtemp()) / "square.inp").read_text().splitlines()[1])
+    *NODE, NSET=ALL
+    """
+    if element not in NODES_OF:
+        raise ModelError(f"to_abaqus: element must be one of {', '.join(NODES_OF)}, got {element!r}")
+    if int(increments) < 1:
+        raise ModelError(f"to_abaqus: increments must be 1 or more, got {increments}")
+    listed = checked_targets(targets, "to_abaqus")
+    shell = shell_of(model, "to_abaqus")
+    with whole_file(path) as unfinished, open(unfinished, "w", encoding="ascii", errors="replace") as file:
+        for line in _lines(shell, model, listed, int(increments), element):
+            file.write(line + "\n")
+    return Path(path)
+
+
+def _lines(shell: Shell, model: Model, targets: list[float], increments: int, element: str) -> Iterator[str]:
+    nodes, corners, middles = shell.nodes, shell.triangles, np.empty((0, 2), np.int64)
+    if NODES_OF[element] == 6:
+        nodes, corners, middles = _with_middles(shell)
+    yield f"** {model.name or 'sheet'}: written by kirigami"
+    yield "*NODE, NSET=ALL"
+    for number, place in enumerate(nodes.tolist(), 1):
+        yield f"{number}, {_row(place)}"
+    yield f"*ELEMENT, TYPE={element}, ELSET=SHEET"
+    for number, facet in enumerate((corners + 1).tolist(), 1):
+        yield f"{number}, " + ", ".join(map(str, facet))
+    for name, group in shell.sets.items():
+        between = np.flatnonzero(np.isin(middles, group).all(axis=1)) + len(shell.nodes)  # they carry reactions, too
+        group = np.concatenate([group, between])
+        yield f"*NSET, NSET={name.upper()}"
+        yield from _wrapped((group + 1).tolist())
+    yield "*MATERIAL, NAME=SHEET"
+    yield "*ELASTIC"
+    yield _row([shell.material.E, shell.material.nu])
+    if shell.material.density is not None:
+        yield "*DENSITY"
+        yield _row([shell.material.density])
+    yield "*SHELL SECTION, ELSET=SHEET, MATERIAL=SHEET"
+    yield _row([shell.thickness])
+    held = dict(shell.held)
+    for number, (i, j) in enumerate(middles.tolist(), len(shell.nodes)):
+        # A node in the middle of an edge goes along where both ends are held.
+        for axis in range(3):
+            if (i, axis) in held and (j, axis) in held:
+                ends = np.array([held[i, axis], held[j, axis]])
+                held[number, axis] = (float(ends[:, 0].mean()), float(ends[:, 1].mean()))
+    clamped = shell.clamped.tolist()
+    both = np.isin(middles, shell.clamped).all(axis=1) if len(middles) else np.empty(0, bool)
+    clamped += (np.flatnonzero(both) + len(shell.nodes)).tolist()
+    # What never moves is held for good; what moves is held anew in each step.
+    still = [key for key, value in held.items() if value == (0.0, 0.0)]
+    moving = [key for key, value in held.items() if value != (0.0, 0.0)]
+    if still or clamped:
+        yield "*BOUNDARY"
+        yield from (f"{node + 1}, {axis + 1}, {axis + 1}" for node, axis in still)
+        yield from (f"{node + 1}, 4, 5" for node in clamped)
+    factors = ([0.0] if shell.has_constant else []) + targets
+    for factor in factors:
+        yield f"** load factor {factor:.13g}"
+        yield f"*STEP, NLGEOM, INC={max(1000, 100 * increments)}"
+        yield "*STATIC"
+        yield _row([1.0 / increments, 1.0, 1e-8, 1.0])
+        if moving:
+            yield "*BOUNDARY"
+            for node, axis in moving:
+                constant, driven = held[node, axis]
+                yield f"{node + 1}, {axis + 1}, {axis + 1}, {constant + factor * driven:.13g}"
+        if shell.loads:
+            yield "*CLOAD"
+            for (node, axis), (constant, driven) in shell.loads.items():
+                yield f"{node + 1}, {axis + 1}, {constant + factor * driven:.13g}"
+        for name in shell.sets:
+            yield f"*NODE PRINT, NSET={name.upper()}, TOTALS=YES, FREQUENCY={1000 * increments}"
+            yield "RF"
+        yield f"*NODE FILE, FREQUENCY={1000 * increments}"
+        yield "U, RF"
+        yield "*END STEP"
+
+
+def _with_middles(shell: Shell) -> tuple[Array, Array, Array]:
+    """Nodes and triangles with a node in the middle of each edge, and the ends of these edges."""
+    corners = shell.triangles
+    sides = np.sort(np.stack([corners, np.roll(corners, -1, axis=1)], axis=2).reshape(-1, 2), axis=1)
+    ends, which = np.unique(sides, axis=0, return_inverse=True)
+    middle = len(shell.nodes) + which.reshape(-1, 3)
+    nodes = np.concatenate([shell.nodes, shell.nodes[ends].mean(axis=1)])
+    return nodes, np.column_stack([corners, middle]), ends
+
+
+def _row(values: Iterable[float]) -> str:
+    return ", ".join(f"{value:.13g}" for value in values)  # CalculiX reads 20 characters of a number
+
+
+def _wrapped(numbers: list[int]) -> Iterator[str]:
+    for start in range(0, len(numbers), 16):
+        yield ", ".join(map(str, numbers[start : start + 16]))

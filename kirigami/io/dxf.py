@@ -1,0 +1,340 @@
+"""DXF drawings in and out, through ezdxf."""
+
+from __future__ import annotations
+
+import os
+from collections import Counter
+from collections.abc import Iterable, Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import shapely
+
+from kirigami.errors import GeometryError
+from kirigami.io.drawing import (
+    Curve,
+    Drawing,
+    Floats,
+    Names,
+    Roles,
+    assemble,
+    color_name,
+    flattened,
+    scale_of,
+    scaled,
+)
+from kirigami.io.files import library, whole_file
+from kirigami.units import metres_per
+
+INSUNITS = {1: "in", 2: "ft", 4: "mm", 5: "cm", 6: "m", 7: "km", 9: "mil", 12: "nm", 13: "um", 14: "dm"}
+COLORS = {1: "red", 2: "yellow", 3: "green", 4: "cyan", 5: "blue", 6: "magenta", 7: "black"}
+CURVES = {"LINE", "ARC", "CIRCLE", "ELLIPSE", "SPLINE", "LWPOLYLINE", "POLYLINE"}
+NESTING = 8  # blocks within blocks
+
+
+def read_dxf(
+    path: str | os.PathLike[str],
+    *,
+    outline: Names = None,
+    cuts: Names = None,
+    folds: Names = None,
+    ignore: Names = None,
+    unit: str = "m",
+    drawn_in: str | None = None,
+    tolerance: float = 1e-4,
+    flatness: float = 2e-4,
+) -> Drawing:
+    """Read outline, cuts and folds from the model space of a DXF file of any version.
+
+    Lines, arcs, circles, ellipses, splines, polylines with bulges, and blocks of them are read; texts, dimensions,
+    hatches and points are not, and the report counts them. Layers are sorted by their names ("outline", "cuts", "fold",
+    ... in several languages) unless told; without an outline layer, the closed curve round everything else is the
+    outline. Closed cuts are holes.
+
+    Parameters
+    ----------
+    path : path
+        The file.
+    outline, cuts, folds, ignore : str or list of str, optional
+        Layers, or colours ("red", "#ff0000"), that hold each kind of curve.
+    unit : str
+        Unit of length of the sheet: "m", "mm", ...
+    drawn_in : str, optional
+        Unit of the drawing, where the file does not say or says it wrong.
+    tolerance : float
+        Ends nearer than this fraction of the size are joined; curves as near as this all along are drawn twice.
+    flatness : float
+        Largest distance between a curve and its chords, as a fraction of the size of the drawing.
+
+    Returns
+    -------
+    Drawing
+        ``drawing.sheet(thickness, material)`` makes the sheet, ``drawing.report`` says what was read.
+
+    Raises
+    ------
+    GeometryError
+        No such file, no DXF file or a broken one; no closed outline; curves out of the plane; an unknown layer.
+        Messages name entities by their handles.
+    KirigamiError
+        ezdxf is not installed.
+
+    Examples
+    --------
+    >>> import shapely, tempfile
+    >>> from pathlib import Path
+    >>> plate = Drawing(shapely.box(0, 0, 0.2, 0.1), (shapely.LineString([(0.05, 0.05), (0.15, 0.05)]),), unit="m")
+    >>> file = write_dxf(plate, Path(tempfile.mkdtemp()) / "plate.dxf")
+    >>> drawing = read_dxf(file)
+    >>> drawing.outline.bounds, len(drawing.cuts)
+    ((0.0, 0.0, 0.2, 0.1), 1)
+    """
+    document = _document(Path(path))
+    notes = [f"{Path(path).name}: DXF {document.acad_release}"]
+    # ezdxf fills in metres where a file says nothing, so that the file itself must be asked.
+    says_unit = b"$INSUNITS" in Path(path).read_bytes()
+    stated = INSUNITS.get(document.header.get("$INSUNITS", 0)) if says_unit else None
+    factor, unit = scale_of(unit, drawn_in, stated, notes)
+    skipped: Counter[str] = Counter()
+    entities = list(_entities(document.modelspace(), skipped))
+    if not entities:
+        seen = ", ".join(f"{number} {kind}" for kind, number in skipped.items()) or "nothing"
+        raise GeometryError(f"{path} holds no curves in its model space (it holds {seen})")
+    if skipped:
+        notes.append("not read: " + ", ".join(f"{number} {kind}" for kind, number in skipped.most_common()))
+    distance = flatness * _extent(entities)
+    curves = [
+        Curve(scaled(points, factor), entity.dxf.layer, _color(entity, document), _source(entity))
+        for entity in entities
+        for points in _points(entity, distance)
+    ]
+    roles = Roles(outline, cuts, folds, ignore)
+    return assemble(curves, roles, unit=unit, tolerance=tolerance, notes=notes)
+
+
+def _document(path: Path) -> Any:
+    ezdxf = library("ezdxf", "reading and writing DXF drawings")
+    recover = library("ezdxf.recover", "reading DXF drawings")
+    if not path.is_file():
+        raise GeometryError(f"there is no file {path}")
+    if path.stat().st_size == 0:
+        raise GeometryError(f"{path} is empty")
+    try:
+        return ezdxf.readfile(path)
+    except Exception as first:  # ezdxf lets many kinds of error out of a file that is cut off, StopIteration among them
+        if not _looks_like_dxf(path):
+            raise GeometryError(f"{path} is no DXF file ({first})") from None
+        try:  # many programs write files that are not quite right
+            return recover.readfile(path)[0]
+        except Exception as error:
+            raise GeometryError(f"{path} is a broken DXF file: {str(first) or str(error) or 'it ends too early'}") from None
+
+
+def _looks_like_dxf(path: Path) -> bool:
+    start = path.read_bytes()[:4096]
+    return start.startswith(b"AutoCAD Binary DXF") or b"SECTION" in start
+
+
+def _entities(layout: Iterable[Any], skipped: Counter[str], depth: int = 0) -> Iterator[Any]:
+    for entity in layout:
+        kind = entity.dxftype()
+        if kind in CURVES and not (kind == "POLYLINE" and (entity.is_poly_face_mesh or entity.is_polygon_mesh)):
+            yield entity
+        elif kind == "INSERT" and depth < NESTING:
+            for placed in entity.multi_insert() if entity.mcount > 1 else [entity]:
+                yield from _entities(placed.virtual_entities(), skipped, depth + 1)
+        else:
+            skipped[kind] += 1
+
+
+def _source(entity: Any) -> str:
+    handle = entity.dxf.handle
+    owner = getattr(entity, "source_of_copy", None)
+    if handle is None and owner is not None:
+        handle = f"copy of {owner.dxf.handle}"
+    return f"entity {handle or '(of a block)'} ({entity.dxftype()})"
+
+
+def _color(entity: Any, document: Any) -> str:
+    if entity.dxf.hasattr("true_color"):
+        return color_name(f"#{entity.dxf.true_color:06x}")
+    index = entity.dxf.color
+    if index == 256 and entity.dxf.layer in document.layers:
+        index = abs(document.layers.get(entity.dxf.layer).color)
+    return COLORS.get(index, f"color {index}")
+
+
+def _points(entity: Any, distance: float) -> Iterator[Floats]:
+    """Points of an entity, one array per curve."""
+    kind = entity.dxftype()
+    try:
+        if kind in ("LWPOLYLINE", "POLYLINE"):
+            yield _polyline(entity, distance)
+        elif kind == "LINE":
+            yield _flat([entity.dxf.start, entity.dxf.end], entity)
+        elif kind == "CIRCLE":
+            radius = abs(entity.dxf.radius)
+            points = _flat(list(entity.flattening(min(distance, 0.1 * radius))), entity)
+            points[-1] = points[0]
+            yield points
+        else:
+            points = _flat(list(entity.flattening(distance)), entity)
+            if np.linalg.norm(points[-1] - points[0]) < 1e-9 * max(1e-300, float(np.ptp(points, axis=0).max())):
+                points[-1] = points[0]
+            yield points
+    except (ValueError, ZeroDivisionError, TypeError, IndexError, ArithmeticError) as error:
+        if isinstance(error, GeometryError):
+            raise
+        raise GeometryError(f"{_source(entity)} on layer {entity.dxf.layer!r} cannot be read: {error}") from None
+
+
+def _polyline(entity: Any, distance: float) -> Floats:
+    if entity.dxftype() == "LWPOLYLINE":
+        corners, closed = list(entity.vertices_in_wcs()), entity.closed
+        bulges = [point[4] for point in entity.get_points()]
+    else:
+        # A fitted polyline keeps the control frame it was fitted to among its vertices (flag 16): not part of the curve.
+        on_curve = [not vertex.dxf.flags & 16 for vertex in entity.vertices]
+        corners = [corner for corner, kept in zip(entity.points_in_wcs(), on_curve) if kept]
+        bulges = [vertex.dxf.bulge for vertex, kept in zip(entity.vertices, on_curve) if kept]
+        closed = entity.is_closed
+    points = _flat(corners, entity)
+    if closed:
+        points = np.concatenate([points, points[:1]])
+    mirrored = -1.0 if entity.dxf.hasattr("extrusion") and entity.dxf.extrusion.z < 0 else 1.0
+    parts = [points[:1]]
+    for start, end, bulge in zip(points, points[1:], bulges):
+        arc = [end[None]] if not bulge else [_bulge(start, end, mirrored * bulge, distance)[1:]]
+        parts += arc
+    return np.concatenate(parts)
+
+
+def _bulge(start: Floats, end: Floats, bulge: float, distance: float) -> Floats:
+    """Arc from start to end; the bulge is the tangent of a quarter of its angle, positive counter-clockwise."""
+    chord = end - start
+    normal = np.array([-chord[1], chord[0]])
+    center = 0.5 * (start + end) + normal * (1 - bulge**2) / (4 * bulge)
+    angle = 4 * np.arctan(bulge)
+    arm = start - center
+
+    def position(t: Floats) -> Floats:
+        c, s = np.cos(angle * t), np.sin(angle * t)
+        return center + np.column_stack([arm[0] * c - arm[1] * s, arm[0] * s + arm[1] * c])
+
+    points = flattened(position, distance)
+    points[0], points[-1] = start, end
+    return points
+
+
+def _flat(points: list[Any], entity: Any) -> Floats:
+    array = np.array([(point.x, point.y, point.z) for point in map(_vector, points)], dtype=float)
+    if len(array) < 2:
+        raise GeometryError(f"{_source(entity)} on layer {entity.dxf.layer!r} has fewer than two points")
+    if not np.isfinite(array).all():
+        raise GeometryError(f"{_source(entity)} on layer {entity.dxf.layer!r} has a coordinate that is not finite")
+    if np.ptp(array[:, 2]) > 1e-6 * max(float(np.ptp(array[:, :2], axis=0).max()), 1e-300):
+        raise GeometryError(
+            f"{_source(entity)} on layer {entity.dxf.layer!r} leaves the plane: z runs from {array[:, 2].min():.6g} to "
+            f"{array[:, 2].max():.6g}; a sheet is drawn in a plane of constant z"
+        )
+    return array[:, :2].copy()
+
+
+def _vector(point: Any) -> Any:
+    return library("ezdxf.math", "reading DXF drawings").Vec3(point)
+
+
+def _extent(entities: list[Any]) -> float:
+    """Rough size of the drawing, from points that need no flattening."""
+    points: list[Any] = []
+    for entity in entities:
+        kind = entity.dxftype()
+        if kind == "LINE":
+            points += [entity.dxf.start, entity.dxf.end]
+        elif kind in ("CIRCLE", "ARC"):
+            radius = entity.dxf.radius
+            center = entity.ocs().to_wcs(entity.dxf.center)
+            points += [center + (radius, radius), center - (radius, radius)]
+        elif kind == "ELLIPSE":
+            points += [entity.dxf.center + entity.dxf.major_axis, entity.dxf.center - entity.dxf.major_axis]
+        elif kind == "SPLINE":
+            points += list(entity.control_points if len(entity.control_points) else entity.fit_points)
+        elif kind == "LWPOLYLINE":
+            points += list(entity.vertices_in_wcs())
+        else:
+            points += list(entity.points_in_wcs())
+    array = np.array([tuple(_vector(point))[:2] for point in points], dtype=float)
+    finite = array[np.isfinite(array).all(axis=1)]
+    return float(np.ptp(finite, axis=0).max()) if len(finite) else 1.0
+
+
+def write_dxf(
+    sheet: Any, path: str | os.PathLike[str], *, unit: str = "m", drawn_in: str = "mm", folds: Iterable[Any] = ()
+) -> Path:
+    """Write a sheet for the laser cutter: true size, each kind of line on a layer of its own.
+
+    Layers OUTLINE (black), CUTS (red) and FOLDS (blue), polylines of straight pieces, units in the header.
+
+    Parameters
+    ----------
+    sheet : Sheet or Drawing
+        Its ``outline`` and ``cuts``; of a drawing also its ``folds``.
+    path : path
+        The file.
+    unit : str
+        Unit of length of the sheet.
+    drawn_in : str
+        Unit of length of the file.
+    folds : iterable of LineString
+        Lines to be folded and not cut.
+
+    Raises
+    ------
+    KirigamiError
+        ezdxf is not installed, the unit is unknown, the file cannot be written.
+
+    Examples
+    --------
+    >>> import shapely, tempfile
+    >>> plate = Drawing(shapely.box(0, 0, 1, 1), ())
+    >>> write_dxf(plate, Path(tempfile.mkdtemp()) / "plate.dxf").name
+    'plate.dxf'
+    """
+    ezdxf = library("ezdxf", "reading and writing DXF drawings")
+    codes = {name: code for code, name in INSUNITS.items()}
+    if drawn_in not in codes:
+        raise GeometryError(f"DXF files know no unit {drawn_in!r}: use one of {', '.join(codes)}")
+    ratio = metres_per(unit) / metres_per(drawn_in)
+    factor = float(round(ratio)) if abs(ratio - round(ratio)) < 1e-12 * ratio else ratio
+    document = ezdxf.new("R2010", units=codes[drawn_in])
+    space = document.modelspace()
+    for layer, color in (("OUTLINE", 7), ("CUTS", 1), ("FOLDS", 5)):
+        document.layers.add(layer, color=color)
+    for layer, points, closed in layered(sheet, folds):
+        space.add_lwpolyline(scaled(points, factor).tolist(), close=closed, dxfattribs={"layer": layer})
+    with whole_file(path) as unfinished:
+        document.saveas(unfinished)
+    return Path(path)
+
+
+def layered(sheet: Any, folds: Iterable[Any] = ()) -> Iterator[tuple[str, Floats, bool]]:
+    """Layer, points (closed curves without the repeated point) and closedness of every line of a sheet."""
+    rings = [sheet.outline.exterior, *sheet.outline.interiors]
+    lines = [("OUTLINE", ring) for ring in rings]
+    lines += [("CUTS", line) for cut in sheet.cuts for line in _lines_of(cut)]
+    lines += [("FOLDS", line) for fold in [*getattr(sheet, "folds", ()), *folds] for line in _lines_of(fold)]
+    for layer, line in lines:
+        points = shapely.get_coordinates(line)
+        closed = len(points) > 3 and bool((points[0] == points[-1]).all())
+        yield layer, points[:-1] if closed else points, closed
+
+
+def _lines_of(geometry: Any) -> Iterator[Any]:
+    if isinstance(geometry, shapely.Polygon):
+        yield from (geometry.exterior, *geometry.interiors)
+    elif hasattr(geometry, "geoms"):
+        for part in geometry.geoms:
+            yield from _lines_of(part)
+    else:
+        yield geometry

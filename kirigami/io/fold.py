@@ -1,0 +1,196 @@
+"""FOLD files, the format that origami programs share (Demaine, Ku and Lang, FOLD specification 1.2)."""
+
+from __future__ import annotations
+
+import json
+import math
+import os
+from collections.abc import Iterable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import shapely
+
+from kirigami.errors import GeometryError
+from kirigami.geometry.mesh import TriMesh
+from kirigami.io.drawing import Curve, Drawing, Names, Roles, assemble, scale_of, scaled
+from kirigami.io.dxf import layered
+from kirigami.io.files import whole_file
+from kirigami.io.geojson import read_json
+from kirigami.results import Results
+
+ROLES = {"B": "outline", "C": "cut", "M": "mountain fold", "V": "valley fold", "U": "fold"}  # F, J: no line to act on
+LETTERS = {"OUTLINE": "B", "CUTS": "C", "FOLDS": "U"}
+UNITS = {"in", "pt", "m", "cm", "mm", "um", "nm"}  # those of the specification
+
+
+def read_fold(
+    path: str | os.PathLike[str],
+    *,
+    folds: Names = None,
+    ignore: Names = None,
+    unit: str = "m",
+    drawn_in: str | None = None,
+    tolerance: float = 1e-4,
+) -> Drawing:
+    """Read outline, cuts and folds from the crease pattern of a FOLD file.
+
+    Edges assigned B are the outline (and the rims of holes), C cuts, M, V and U folds; F and J are left out. Edges that
+    follow one another in a line are one cut.
+
+    Parameters
+    ----------
+    path : path
+        The file.
+    folds, ignore : str or list of str, optional
+        Of the layers "mountain fold", "valley fold" and "fold", those to take as folds and to leave out.
+    unit : str
+        Unit of length of the sheet.
+    drawn_in : str, optional
+        Unit of the coordinates, where the file does not say.
+    tolerance : float
+        As for :func:`kirigami.io.dxf.read_dxf`.
+
+    Raises
+    ------
+    GeometryError
+        No such file, no FOLD file, arrays that do not fit, coordinates out of the plane, no outline.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> plate = Drawing(shapely.box(0, 0, 2, 1), (shapely.LineString([(0.5, 0.5), (1.5, 0.5)]),), unit="m")
+    >>> drawing = read_fold(write_fold(plate, Path(tempfile.mkdtemp()) / "plate.fold"))
+    >>> drawing.outline.area, drawing.cuts[0].length
+    (2.0, 1.0)
+    """
+    path = Path(path)
+    data = read_json(path, "FOLD")
+    if not isinstance(data, dict) or "vertices_coords" not in data or "edges_vertices" not in data:
+        raise GeometryError(f"{path} is no FOLD file: it has no vertices_coords and edges_vertices")
+    try:
+        points = np.array([[*point, 0.0][:3] for point in data["vertices_coords"]], dtype=float)
+        edges = np.array(data["edges_vertices"], dtype=np.int64).reshape(-1, 2)
+    except (TypeError, ValueError) as error:
+        raise GeometryError(f"{path}: vertices_coords or edges_vertices hold no numbers ({error})") from None
+    letters = data.get("edges_assignment") or ["U"] * len(edges)
+    if len(letters) != len(edges):
+        raise GeometryError(f"{path}: {len(edges)} edges, but {len(letters)} values in edges_assignment")
+    wrong = np.flatnonzero((edges < 0).any(axis=1) | (edges >= len(points)).any(axis=1))
+    if wrong.size:
+        raise GeometryError(f"{path}: edge {wrong[0]} names a vertex beyond 0 .. {len(points) - 1}")
+    if len(points) and np.ptp(points[:, 2]) > 1e-9 * np.ptp(points, axis=0).max():
+        raise GeometryError(f"{path} holds a folded form: its vertices leave the plane; give the crease pattern")
+    notes = [f"{path.name}: FOLD {data.get('file_spec', '')}".rstrip()]
+    factor, unit = scale_of(unit, drawn_in, data.get("frame_unit", "unit").replace("unit", "") or None, notes)
+    curves = [
+        Curve(scaled(points[edge, :2], factor), ROLES[letter], "", f"edge {number}")
+        for number, (edge, letter) in enumerate(zip(edges, letters))
+        if letter in ROLES
+    ]
+    roles = Roles(folds=folds, ignore=ignore)
+    return assemble(curves, roles, unit=unit, tolerance=tolerance, notes=notes)
+
+
+def write_fold(
+    item: Any, path: str | os.PathLike[str], *, unit: str = "m", folds: Iterable[Any] = (), step: int = -1
+) -> Path:
+    """Write a sheet as a crease pattern, or a mesh or results as facets with their fold angles.
+
+    A sheet gives vertices and edges: B outline, C cuts, U folds, split where they cross. A mesh or results give facets
+    as well; the lips of cuts are B, inner edges F where flat, else M or V with ``edges_foldAngle`` in degrees, and the
+    vertices are those of the deformed sheet.
+
+    Parameters
+    ----------
+    item : Sheet, Drawing, TriMesh or Results
+        What to write.
+    path : path
+        The file.
+    unit : str
+        Unit of length of the coordinates; noted in the file where the format knows it.
+    folds : iterable of LineString
+        Of a sheet: lines to be folded and not cut.
+    step : int
+        Of results: which step.
+
+    Raises
+    ------
+    GeometryError
+        Results without a mesh.
+    KirigamiError
+        The file cannot be written.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> mesh = TriMesh([(0, 0), (1, 0), (1, 1), (0, 1)], [(0, 1, 2), (0, 2, 3)])
+    >>> file = write_fold(mesh, Path(tempfile.mkdtemp()) / "square.fold")
+    >>> json.loads(file.read_text())["edges_assignment"]
+    ['B', 'F', 'B', 'B', 'B']
+    """
+    if isinstance(item, Results):
+        if item.mesh is None:
+            raise GeometryError("only results of a model made by Model.from_mesh have facets to write")
+        frame = _facets(item.mesh, item.position()[step])
+    elif isinstance(item, TriMesh):
+        frame = _facets(item, item.nodes)
+    else:
+        frame = _pattern(item, folds)
+    head: dict[str, Any] = {"file_spec": 1.2, "file_creator": "kirigami", "frame_classes": [frame.pop("class")]}
+    if unit in UNITS:
+        head["frame_unit"] = unit
+    with whole_file(path) as unfinished:
+        unfinished.write_text(json.dumps(head | frame))
+    return Path(path)
+
+
+def _pattern(sheet: Any, folds: Iterable[Any]) -> dict[str, Any]:
+    lines, letters = [], []
+    for layer, points, closed in layered(sheet, folds):
+        ring = np.concatenate([points, points[:1]]) if closed else points
+        for piece in zip(ring[:-1], ring[1:]):
+            lines.append(shapely.LineString(piece))
+            letters.append(LETTERS[layer])
+    tree = shapely.STRtree(lines)
+    vertices: dict[tuple[float, float], int] = {}
+    edges: dict[tuple[int, int], str] = {}
+    for line, letter in zip(lines, letters):
+        start, end = (tuple(point) for point in shapely.get_coordinates(line).tolist())
+        on_line = {start, end}
+        for other in tree.query(line, predicate="intersects"):
+            met = shapely.intersection(line, lines[other])
+            on_line.update(tuple(point) for point in shapely.get_coordinates(met).tolist())
+        chain = sorted(on_line, key=lambda point: math.dist(point, start))
+        numbers = [vertices.setdefault(point, len(vertices)) for point in chain]
+        for pair in zip(numbers, numbers[1:]):
+            if pair[0] != pair[1]:
+                edges.setdefault((min(pair), max(pair)), letter)  # an outline drawn first stays one
+    return {
+        "class": "creasePattern",
+        "vertices_coords": [list(point) for point in vertices],
+        "edges_vertices": [list(edge) for edge in edges],
+        "edges_assignment": list(edges.values()),
+    }
+
+
+def _facets(mesh: TriMesh, points: Any) -> dict[str, Any]:
+    inner = mesh.edge_facets[:, 1] >= 0
+    j, k = (points[end] for end in mesh.edges.T)
+    edge = k - j
+    wings = [points[wing] - j for wing in mesh.edge_wings.T]
+    left, right = np.cross(edge, wings[0]), np.cross(wings[1], edge)
+    length = np.linalg.norm(edge, axis=1)
+    # Positive for a valley seen from +z, as the specification has it: the wings fold towards the normal.
+    angle = np.arctan2(length * (left * wings[1]).sum(axis=1), (left * right).sum(axis=1))
+    degrees = np.where(inner, np.degrees(angle), 0.0)
+    letters = np.where(inner, np.where(degrees > 1e-7, "V", np.where(degrees < -1e-7, "M", "F")), "B")
+    return {
+        "class": "foldedForm" if np.ptp(points[:, 2]) > 0 else "creasePattern",
+        "vertices_coords": points.tolist(),
+        "edges_vertices": mesh.edges.tolist(),
+        "edges_assignment": letters.tolist(),
+        "edges_foldAngle": [value if flag else None for value, flag in zip(degrees.tolist(), inner.tolist())],
+        "faces_vertices": mesh.triangles.tolist(),
+    }

@@ -1,0 +1,156 @@
+"""GeoJSON drawings in and out, through shapely."""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Iterable, Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import shapely
+from shapely.geometry import mapping, shape
+
+from kirigami.errors import GeometryError
+from kirigami.io.drawing import Curve, Drawing, Names, Roles, assemble, scale_of, scaled
+from kirigami.io.files import whole_file
+
+ROLE_KEYS = ("role", "layer", "Layer", "name")  # the property of a feature that names its layer, first match
+
+
+def read_geojson(
+    path: str | os.PathLike[str],
+    *,
+    outline: Names = None,
+    cuts: Names = None,
+    folds: Names = None,
+    ignore: Names = None,
+    unit: str = "m",
+    drawn_in: str | None = None,
+    tolerance: float = 1e-4,
+) -> Drawing:
+    """Read outline, cuts and folds from a GeoJSON file.
+
+    The property "role" (or "layer", "name") of a feature names its layer; how layers become roles is said at
+    :func:`kirigami.io.dxf.read_dxf`. Coordinates are plane; a member "unit" of the collection names their unit.
+
+    Parameters
+    ----------
+    path : path
+        The file.
+    outline, cuts, folds, ignore : str or list of str, optional
+        Layers that hold each kind of curve.
+    unit : str
+        Unit of length of the sheet: "m", "mm", ...
+    drawn_in : str, optional
+        Unit of the coordinates, where the file does not say.
+    tolerance : float
+        Ends nearer than this fraction of the size are joined; curves as near as this all along are drawn twice.
+
+    Raises
+    ------
+    GeometryError
+        No such file, no GeoJSON, a geometry that cannot be used (named by the number of its feature), no outline.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> plate = Drawing(shapely.box(0, 0, 2, 1), (shapely.LineString([(0.5, 0.5), (1.5, 0.5)]),), unit="m")
+    >>> read_geojson(write_geojson(plate, Path(tempfile.mkdtemp()) / "plate.geojson")).outline.area
+    2.0
+    """
+    path = Path(path)
+    data = read_json(path, "GeoJSON")
+    kind = data.get("type") if isinstance(data, dict) else None
+    if kind == "FeatureCollection" and isinstance(data.get("features"), list):
+        features = data["features"]
+    elif kind == "Feature":
+        features = [data]
+    elif kind == "GeometryCollection" and isinstance(data.get("geometries"), list):
+        features = [{"geometry": geometry} for geometry in data["geometries"]]
+    elif kind is not None and "coordinates" in data:
+        features = [{"geometry": data}]
+    else:
+        raise GeometryError(f"{path} is no GeoJSON: it has no features and no geometry")
+    notes = [f"{path.name}: GeoJSON with {len(features)} features"]
+    factor, unit = scale_of(unit, drawn_in, data.get("unit"), notes)
+    curves = []
+    for number, feature in enumerate(features):
+        source = f"feature {number}"
+        try:
+            with np.errstate(invalid="ignore"):  # coordinates that are not finite are refused by name later
+                geometry = shape(feature["geometry"])
+            properties = feature.get("properties") or {}
+        except (AttributeError, KeyError, TypeError, ValueError, IndexError, shapely.errors.ShapelyError) as error:
+            raise GeometryError(f"{path}, {source}: no geometry that can be used ({error})") from None
+        layer = str(next((properties[key] for key in ROLE_KEYS if properties.get(key)), ""))
+        for line in _lines(geometry, f"{path}, {source}"):
+            curves.append(Curve(scaled(shapely.get_coordinates(line), factor), layer, "", source))
+    return assemble(curves, Roles(outline, cuts, folds, ignore), unit=unit, tolerance=tolerance, notes=notes)
+
+
+def read_json(path: Path, kind: str) -> Any:
+    """The contents of a JSON file, or a GeometryError that names file and line."""
+    if not path.is_file():
+        raise GeometryError(f"there is no file {path}")
+    try:
+        text = path.read_text(encoding="utf-8-sig")
+        if not text.strip():
+            raise GeometryError(f"{path} is empty")
+        return json.loads(text)
+    except json.JSONDecodeError as error:
+        raise GeometryError(f"{path} is no {kind} file: {error.msg} in line {error.lineno}") from None
+    except UnicodeDecodeError:
+        raise GeometryError(f"{path} is no {kind} file: it is not text") from None
+
+
+def _lines(geometry: Any, source: str) -> Iterator[Any]:
+    if geometry.is_empty:
+        return
+    if isinstance(geometry, shapely.Polygon):
+        yield from (geometry.exterior, *geometry.interiors)
+    elif hasattr(geometry, "geoms"):
+        for part in geometry.geoms:
+            yield from _lines(part, source)
+    elif isinstance(geometry, shapely.LineString):
+        yield geometry
+    else:
+        raise GeometryError(f"{source}: a {geometry.geom_type} is neither outline nor cut nor fold")
+
+
+def write_geojson(
+    sheet: Any, path: str | os.PathLike[str], *, unit: str = "m", folds: Iterable[Any] = ()
+) -> Path:
+    """Write outline, cuts and folds as features with the property "role"; coordinates as they are.
+
+    Parameters
+    ----------
+    sheet : Sheet or Drawing
+        Its ``outline`` and ``cuts``; of a drawing also its ``folds``.
+    path : path
+        The file.
+    unit : str
+        Unit of length of the sheet, noted in the file.
+    folds : iterable of LineString
+        Lines to be folded and not cut.
+
+    Raises
+    ------
+    KirigamiError
+        The file cannot be written.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> plate = Drawing(shapely.box(0, 0, 2, 1), ())
+    >>> write_geojson(plate, Path(tempfile.mkdtemp()) / "plate.geojson").name
+    'plate.geojson'
+    """
+    parts = [("outline", sheet.outline)]
+    parts += [("cut", cut) for cut in sheet.cuts]
+    parts += [("fold", fold) for fold in [*getattr(sheet, "folds", ()), *folds]]
+    features = [{"type": "Feature", "properties": {"role": role}, "geometry": mapping(part)} for role, part in parts]
+    with whole_file(path) as unfinished:
+        unfinished.write_text(json.dumps({"type": "FeatureCollection", "unit": unit, "features": features}, indent=1))
+    return Path(path)

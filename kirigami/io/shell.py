@@ -1,0 +1,139 @@
+"""A sheet model in the words of a shell code: what the writers for other programs share."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kirigami.constraints import AXES, Constraint, Prescribe
+from kirigami.elements.bar import Bar
+from kirigami.elements.bend_hinge import BendHinge
+from kirigami.errors import ModelError
+from kirigami.kernel import Array
+from kirigami.loads import NodalLoad
+from kirigami.model import Material, Model
+
+
+@dataclass(eq=False)
+class Shell:
+    """A sheet as shell triangles.
+
+    Attributes
+    ----------
+    nodes : ndarray, shape (n, 3)
+        Rest positions, the stress-free imperfection included.
+    triangles : ndarray of int, shape (m, 3)
+        Facets, counter-clockwise.
+    thickness : float
+        Thickness [length].
+    material : Material
+        Its material.
+    held : dict of (node, axis) to (constant, driven)
+        Known displacements: constant part, and part that grows with the load factor.
+    clamped : ndarray of int
+        Nodes whose rotations about x and y are held.
+    loads : dict of (node, axis) to (constant, driven)
+        Forces.
+    sets : dict of str to ndarray of int
+        Named sets of supported nodes: ``fixed_0``, ``driven_0``, ...
+    """
+
+    nodes: Array
+    triangles: NDArray[np.int64]
+    thickness: float
+    material: Material
+    held: dict[tuple[int, int], tuple[float, float]] = field(default_factory=dict)
+    clamped: NDArray[np.int64] = field(default_factory=lambda: np.empty(0, np.int64))
+    loads: dict[tuple[int, int], tuple[float, float]] = field(default_factory=dict)
+    sets: dict[str, NDArray[np.int64]] = field(default_factory=dict)
+
+    @property
+    def has_constant(self) -> bool:
+        """Whether anything acts before the load factor grows."""
+        return any(constant != 0 for group in (self.held, self.loads) for constant, _ in group.values())
+
+
+def shell_of(model: Model, owner: str) -> Shell:
+    """The model as shell triangles.
+
+    Parameters
+    ----------
+    model : Model
+        Made by ``Model.from_mesh``, in three dimensions, with supports and nodal loads only.
+    owner : str
+        Who asks, for messages.
+
+    Raises
+    ------
+    ModelError
+        The model has no mesh, or holds something that a shell model of it would not.
+
+    Examples
+    --------
+    >>> import kirigami as kg
+    >>> mesh = kg.TriMesh([[0, 0], [1, 0], [1, 1], [0, 1]], [[0, 1, 2], [0, 2, 3]])
+    >>> m = kg.Model.from_mesh(mesh, thickness=0.01, material=kg.Material(E=1e9))
+    >>> held = m.add(kg.Fix(m.select(boundary="bottom")), kg.Prescribe(m.select(boundary="top"), y=0.1))
+    >>> shell = shell_of(m, "example")
+    >>> shell.held[2, 1], shell.sets["driven_0"].tolist()
+    ((0.0, 0.1), [2, 3])
+    """
+    if model.mesh is None or model.sheet_constants is None or model.dim != 3:
+        raise ModelError(f"{owner} needs a three-dimensional model made by Model.from_mesh")
+    _check_elements(model, owner)
+    shell = Shell(
+        model.positions(), model.mesh.triangles, model.sheet_constants.thickness, model.sheet_constants.material
+    )
+    clamped: set[int] = set()
+    counts: Counter[str] = Counter()
+    boundary = model.mesh.edges[model.mesh.boundary_edges]
+    for item in model.constraints:
+        _hold(shell, model, item, owner)
+        kind = "driven" if isinstance(item, Prescribe) and not item.constant else "fixed"
+        group = model.index(item.group)
+        shell.sets[f"{kind}_{counts[kind]}"] = group
+        counts[kind] += 1
+        if item.clamp:
+            clamped.update(boundary[np.isin(boundary, group).all(axis=1)].ravel().tolist())
+    shell.clamped = np.array(sorted(clamped), dtype=np.int64)
+    for load in model.loads:
+        for node in model.index(load.group).tolist():
+            for axis, force in enumerate(load.force):
+                if force:
+                    constant, driven = shell.loads.get((node, axis), (0.0, 0.0))
+                    shell.loads[node, axis] = (constant + force * load.constant, driven + force * (not load.constant))
+    return shell
+
+
+def _check_elements(model: Model, owner: str) -> None:
+    assert model.mesh is not None
+    edges, inner = len(model.mesh.edges), int((model.mesh.edge_facets[:, 1] >= 0).sum())
+    kinds = Counter(type(item) for item in [*model.elements, *model.loads, *model.effects])
+    extra = [f"{number} {kind.__name__}" for kind, number in kinds.items() if kind not in (Bar, BendHinge, NodalLoad)]
+    if kinds[Bar] > edges or kinds[BendHinge] > inner:
+        extra.append(f"{kinds[Bar] - edges} Bar and {kinds[BendHinge] - inner} BendHinge beyond those of the mesh")
+    if extra:
+        raise ModelError(f"{owner} cannot hand over {', '.join(extra)}: only the sheet, its supports and nodal loads")
+
+
+def _hold(shell: Shell, model: Model, item: Constraint, owner: str) -> None:
+    if item.leaders:
+        raise ModelError(f"{owner} cannot hand over {item!r}: only Fix and Prescribe")
+    if item.clamp and "z" not in item.values:
+        raise ModelError(f"{owner} cannot hand over {item!r} with clamp=True, since it leaves z free")
+    group = model.index(item.group).tolist()
+    for letter, values in item.values.items():
+        for node, value in zip(group, values.tolist()):
+            shell.held[node, AXES.index(letter)] = (value, 0.0) if item.constant else (0.0, value)
+
+
+def checked_targets(targets: Sequence[float], owner: str) -> list[float]:
+    """Load factors as a list of finite numbers, none of them repeated in a row."""
+    listed = [float(target) for target in targets]
+    if not listed or not np.isfinite(listed).all() or 0.0 in np.diff([0.0, *listed]):
+        raise ModelError(f"{owner}: targets must be finite load factors, each other than the one before, got {targets!r}")
+    return listed

@@ -1,0 +1,369 @@
+"""SVG drawings in and out: Inkscape, Illustrator and others; paths are understood by svgelements."""
+
+from __future__ import annotations
+
+import io
+import os
+import re
+import warnings
+from collections import Counter
+from collections.abc import Iterable, Iterator
+from pathlib import Path
+from typing import Any
+from xml.etree import ElementTree
+from xml.parsers import expat
+
+import numpy as np
+import shapely
+
+from kirigami.errors import GeometryError, KirigamiWarning
+from kirigami.io.drawing import (
+    Curve,
+    Drawing,
+    Floats,
+    Names,
+    Roles,
+    assemble,
+    color_name,
+    flattened,
+    role_of_name,
+    scaled,
+)
+from kirigami.io.dxf import layered
+from kirigami.io.files import library, whole_file
+from kirigami.units import METRES, metres_per
+
+LABEL = "{http://www.inkscape.org/namespaces/inkscape}label"
+VERSION = "{http://www.inkscape.org/namespaces/inkscape}version"
+LINE = "data-kirigami-line"
+ORIGIN = "data-kirigami-origin"  # "sheet": x and -y are coordinates of the sheet, whatever part of it the page shows
+STROKES = {"OUTLINE": "#000000", "CUTS": "#ff0000", "FOLDS": "#0000ff"}
+
+
+def read_svg(
+    path: str | os.PathLike[str],
+    *,
+    outline: Names = None,
+    cuts: Names = None,
+    folds: Names = None,
+    ignore: Names = None,
+    unit: str = "m",
+    drawn_in: str | None = None,
+    tolerance: float = 1e-4,
+    flatness: float = 2e-4,
+) -> Drawing:
+    """Read outline, cuts and folds from an SVG file.
+
+    Paths and all basic shapes are read, with transforms, symbols and style sheets; texts and images are not, and the
+    report counts them. The true size is taken from ``width``, ``height`` and ``viewBox``; a size in pixels has 96 to the
+    inch, 72 where Illustrator wrote the file and 90 where an Inkscape before 0.92 did. The y axis is turned upwards.
+    Layers are named groups; an object may also carry the role in its own name. How layers and colours become roles is
+    said at :func:`kirigami.io.dxf.read_dxf`.
+
+    Parameters
+    ----------
+    path : path
+        The file.
+    outline, cuts, folds, ignore : str or list of str, optional
+        Layers, or stroke colours ("red", "#ff0000"), that hold each kind of curve.
+    unit : str
+        Unit of length of the sheet: "m", "mm", ...
+    drawn_in : str, optional
+        Length of one user unit ("mm", ...), where the file does not say or says it wrong.
+    tolerance : float
+        Ends nearer than this fraction of the size are joined; curves as near as this all along are drawn twice.
+    flatness : float
+        Largest distance between a curve and its chords, as a fraction of the size of the drawing.
+
+    Returns
+    -------
+    Drawing
+        ``drawing.sheet(thickness, material)`` makes the sheet, ``drawing.report`` says what was read.
+
+    Raises
+    ------
+    GeometryError
+        No such file, no SVG file or a broken one; no closed outline; an unknown layer. Messages name line numbers.
+    KirigamiError
+        svgelements is not installed.
+
+    Examples
+    --------
+    >>> import shapely, tempfile
+    >>> plate = Drawing(shapely.box(0, 0, 0.2, 0.1), (shapely.LineString([(0.05, 0.05), (0.15, 0.05)]),), unit="m")
+    >>> drawing = read_svg(write_svg(plate, Path(tempfile.mkdtemp()) / "plate.svg"))
+    >>> drawing.outline.equals_exact(plate.outline, 1e-12), len(drawing.cuts)
+    (True, 1)
+    """
+    elements = library("svgelements", "reading SVG drawings")
+    path = Path(path)
+    root, header = _tree(path)
+    notes = [f"{path.name}: SVG"]
+    to_drawing = _user_space(root, header, drawn_in, unit, notes)
+    for name in ("width", "height", "viewBox", "preserveAspectRatio"):
+        root.attrib.pop(name, None)  # sizes are worked out above: svgelements rounds millimetres to seven digits
+    try:
+        document = elements.SVG.parse(io.BytesIO(ElementTree.tostring(root)), reify=False)
+    except (ValueError, TypeError, IndexError, KeyError, ZeroDivisionError, AttributeError, RecursionError) as error:
+        raise GeometryError(f"{path} holds something that is not SVG: {error}") from None
+    skipped: Counter[str] = Counter()
+    roles = Roles(outline, cuts, folds, ignore)
+    # As paths: svgelements turns circles under a mirroring transform into wrong ones.
+    shapes = [
+        (shape, layer, elements.Path(shape).reify())
+        for shape, layer in _shapes(document, [], skipped, elements, roles.names)
+    ]
+    if skipped:
+        notes.append("not read: " + ", ".join(f"{number} {kind}" for kind, number in skipped.most_common()))
+    boxes = np.array([box for *_, drawn in shapes if (box := drawn.bbox()) is not None], dtype=float)
+    if not len(boxes):
+        seen = ", ".join(f"{number} {kind}" for kind, number in skipped.items()) or "nothing"
+        raise GeometryError(f"{path} holds no curves (it holds {seen})")
+    distance = flatness * float((boxes[:, 2:].max(axis=0) - boxes[:, :2].min(axis=0)).max())
+    curves = []
+    for shape, layer, drawn in shapes:
+        source = f"line {shape.values.get(LINE, '?')} <{shape.values.get('tag', 'path')}>"
+        if identity := shape.values.get("attributes", {}).get("id"):
+            source += f" {identity!r}"
+        for points in _points(drawn, distance, elements, source):
+            curves.append(Curve(to_drawing(points), layer, _color(shape), source))
+    if not curves:
+        raise GeometryError(f"{path} holds no curves with a length")
+    return assemble(curves, roles, unit=unit, tolerance=tolerance, notes=notes)
+
+
+def _tree(path: Path) -> tuple[Any, str]:
+    """The XML tree, every element marked with its line, and the first characters of the file."""
+    if not path.is_file():
+        raise GeometryError(f"there is no file {path}")
+    data = path.read_bytes()
+    if not data.strip():
+        raise GeometryError(f"{path} is empty")
+    builder = ElementTree.TreeBuilder()
+    parser = expat.ParserCreate(namespace_separator="}")
+
+    def name(raw: str) -> str:
+        return "{" + raw if "}" in raw else raw
+
+    def start(tag: str, attributes: dict[str, str]) -> None:
+        marked = {name(key): value for key, value in attributes.items()}
+        marked[LINE] = str(parser.CurrentLineNumber)
+        builder.start(name(tag), marked)
+
+    def end(tag: str) -> None:
+        builder.end(name(tag))
+
+    parser.StartElementHandler, parser.EndElementHandler = start, end
+    parser.CharacterDataHandler = builder.data
+    try:
+        parser.Parse(data, True)
+    except expat.ExpatError as error:
+        kind = "a broken SVG file" if b"<svg" in data[:8192] else "no SVG file"
+        raise GeometryError(f"{path} is {kind}: {error}") from None
+    root = builder.close()
+    if root.tag.rpartition("}")[2] != "svg":
+        raise GeometryError(f"{path} is no SVG file: its first element is <{root.tag.rpartition('}')[2]}>")
+    _put_symbols_away(root, path)
+    return root, data[:4096].decode("utf-8", "replace")
+
+
+def _put_symbols_away(root: Any, path: Path) -> None:
+    """Symbols are drawn only where they are used: move them into definitions, where svgelements leaves them alone."""
+    used = {value.lstrip("#") for element in root.iter() for key, value in element.items() if key.endswith("href")}
+    for parent in list(root.iter()):
+        for position, child in enumerate(list(parent)):
+            if isinstance(child.tag, str) and child.tag.rpartition("}")[2] == "symbol":
+                if "viewBox" in child.attrib and child.get("id") in used:
+                    raise GeometryError(
+                        f"{path}, line {child.get(LINE)}: a symbol with a viewBox is not understood; "
+                        "unlink the symbols of the drawing into plain paths"
+                    )
+                definitions = ElementTree.Element(child.tag.replace("symbol", "defs"))
+                parent[position] = definitions
+                definitions.append(child)
+
+
+def _user_space(root: Any, header: str, drawn_in: str | None, unit: str, notes: list[str]) -> Any:
+    """A function from user units to the wanted unit with y upwards."""
+    per_inch = 96.0
+    if "Adobe Illustrator" in header:
+        per_inch = 72.0
+    elif re.match(r"0\.(4\d|91)", root.get(VERSION, "")):
+        per_inch = 90.0
+    view = [float(value) for value in re.findall(r"[-+.\deE]+", root.get("viewBox", ""))]
+    sizes = [_length(root.get(name, "")) for name in ("width", "height")]
+    if len(view) != 4 or view[2] <= 0 or view[3] <= 0:
+        # Without a view box a user unit is a pixel, and the page is as high as `height` says.
+        value, name = sizes[1] or (0.0, "")
+        view, scales = [0.0, 0.0, 1.0, value if name in ("", "px") else value * METRES[name] / METRES["in"] * per_inch], []
+    else:
+        found = [(size[0] / extent, size[1]) for size, extent in zip(sizes, view[2:]) if size]
+        scales = [(scale / per_inch, "") if name in ("", "px") else (scale, name) for scale, name in found]
+    physical = any(name for _, name in scales)
+    if drawn_in is not None:
+        per_unit, source = 1.0, drawn_in
+        notes.append(f"one user unit is 1 {drawn_in}, as said")
+    elif physical:
+        per_unit, source = min(scale for scale in scales if scale[1])
+        notes.append(f"true size {root.get('width')} x {root.get('height')}")
+    else:
+        per_unit, source = min(scales)[0] if scales else 1 / per_inch, "in"
+        text = f"the drawing has no size in a unit of length: {per_inch:g} pixels to the inch are taken"
+        warnings.warn(f'{text}; say drawn_in="mm" if a user unit is 1 mm', KirigamiWarning, stacklevel=3)
+        notes.append(text)
+    ratio = metres_per(source) / metres_per(unit)
+    left, bottom = view[0], view[1] + view[3]
+    if root.get(ORIGIN) == "sheet":
+        left = bottom = 0.0
+
+    def to_drawing(points: Floats) -> Floats:
+        moved = np.column_stack([points[:, 0] - left, bottom - points[:, 1]])
+        return scaled(moved * per_unit if per_unit != 1 else moved, ratio)
+
+    return to_drawing
+
+
+def _length(text: str) -> tuple[float, str] | None:
+    match = re.fullmatch(r"\s*([-+.\deE]+)\s*([a-z]*)\s*", text)
+    if match is None or (match[2] and match[2] not in METRES) or float(match[1]) <= 0:
+        return None
+    return float(match[1]), match[2]
+
+
+def _shapes(
+    group: Any, names: list[str], skipped: Counter[str], elements: Any, asked: set[str]
+) -> Iterator[tuple[Any, str]]:
+    """Shapes that are shown, each with its layer."""
+    for item in group:
+        values = item.values
+        own = values.get("attributes", {})
+        called = [name for name in (own.get(LABEL), own.get("data-name"), own.get("id")) if name]
+        kind = type(item).__name__
+        if kind in ("ClipPath", "Pattern"):
+            continue
+        if isinstance(item, list) and not isinstance(item, elements.Shape):
+            yield from _shapes(item, names + called[:2], skipped, elements, asked)
+        elif isinstance(item, elements.Shape):
+            if values.get("visibility") != "hidden":
+                yield item, _layer(names, called, asked)
+        elif kind in ("Text", "Image"):
+            skipped[kind.lower()] += 1
+
+
+def _layer(groups: list[str], own: list[str], asked: set[str]) -> str:
+    """The innermost name that was asked for, or else that tells a role, or else the innermost group's."""
+    inward_out = own + groups[::-1]
+    for wanted in (lambda name: name.casefold() in asked, role_of_name):
+        for name in inward_out:
+            if wanted(name):
+                return name
+    return groups[-1] if groups else ""
+
+
+def _color(shape: Any) -> str:
+    for paint in (shape.stroke, shape.fill):
+        if paint is not None and paint.value is not None:
+            return color_name(str(paint.hex)[:7])
+    return ""
+
+
+def _points(path: Any, distance: float, elements: Any, source: str) -> Iterator[Floats]:
+    """Points of a path in user units, one array per subpath."""
+    parts: list[Floats] = []
+
+    def finished(closed: bool) -> Iterator[Floats]:
+        if parts:
+            points = np.concatenate([parts[0], *(part[1:] for part in parts[1:])])
+            parts.clear()
+            size = np.ptp(points, axis=0).max()
+            if np.linalg.norm(points[0] - points[-1]) <= 1e-9 * size:
+                points[-1] = points[0]
+            elif closed:
+                points = np.concatenate([points, points[:1]])
+            if size > 0:
+                yield points
+
+    try:
+        for segment in path:
+            if isinstance(segment, elements.Move):
+                yield from finished(False)
+            elif isinstance(segment, elements.Close):
+                yield from finished(True)
+            elif isinstance(segment, elements.Line):
+                parts.append(np.array([segment.start, segment.end], dtype=float))
+            else:
+                points = flattened(lambda t, curve=segment: np.asarray(curve.npoint(t), dtype=float), distance)
+                points[0], points[-1] = segment.start, segment.end
+                parts.append(points)
+    except (ValueError, TypeError, IndexError, ZeroDivisionError) as error:
+        raise GeometryError(f"{source} cannot be read: {error}") from None
+    yield from finished(False)
+
+
+def write_svg(
+    sheet: Any, path: str | os.PathLike[str], *, unit: str = "m", drawn_in: str = "mm", folds: Iterable[Any] = ()
+) -> Path:
+    """Write a sheet for the laser cutter: true size, one layer and colour for each kind of line.
+
+    Layers OUTLINE (black), CUTS (red) and FOLDS (blue, dashed), as Inkscape knows them. The lower left corner of the
+    sheet is that of the page; coordinates are those of the sheet.
+
+    Parameters
+    ----------
+    sheet : Sheet or Drawing
+        Its ``outline`` and ``cuts``; of a drawing also its ``folds``.
+    path : path
+        The file.
+    unit : str
+        Unit of length of the sheet.
+    drawn_in : str
+        Unit of length of the file: "mm", "cm", "in".
+    folds : iterable of LineString
+        Lines to be folded and not cut.
+
+    Raises
+    ------
+    KirigamiError
+        The unit is unknown or the file cannot be written.
+
+    Examples
+    --------
+    >>> import shapely, tempfile
+    >>> plate = Drawing(shapely.box(0, 0, 1, 1), ())
+    >>> write_svg(plate, Path(tempfile.mkdtemp()) / "plate.svg").read_text().count("<path")
+    1
+    """
+    if drawn_in not in ("mm", "cm", "in"):
+        raise GeometryError(f"SVG files know no unit {drawn_in!r}: use mm, cm or in")
+    ratio = metres_per(unit) / metres_per(drawn_in)
+    factor = float(round(ratio)) if abs(ratio - round(ratio)) < 1e-12 * ratio else ratio
+    left, bottom, right, top = (value * factor for value in shapely.bounds(sheet.outline).tolist())
+    width, height = right - left, top - bottom
+    groups: dict[str, list[str]] = {layer: [] for layer in STROKES}
+    for layer, points, closed in layered(sheet, folds):
+        data = " L ".join(f"{x!r},{-y!r}" for x, y in (points * factor + 0.0).tolist())
+        groups[layer].append(f'    <path d="M {data}{" Z" if closed else ""}"/>')
+    thin = 1e-3 * max(width, height)
+    body = []
+    for layer, lines in groups.items():
+        dash = f' stroke-dasharray="{5 * thin:.3g}"' if layer == "FOLDS" else ""
+        body += [
+            f'  <g id="{layer}" inkscape:groupmode="layer" inkscape:label="{layer}" fill="none" '
+            f'stroke="{STROKES[layer]}" stroke-width="{thin:.3g}"{dash}>',
+            *lines,
+            "  </g>",
+        ]
+    text = "\n".join([
+        '<?xml version="1.0" encoding="UTF-8"?>',
+        '<svg xmlns="http://www.w3.org/2000/svg" '
+        'xmlns:inkscape="http://www.inkscape.org/namespaces/inkscape" version="1.1"',
+        f'     width="{width!r}{drawn_in}" height="{height!r}{drawn_in}" '
+        f'viewBox="{left!r} {-top!r} {width!r} {height!r}" '
+        f'{ORIGIN}="sheet">',
+        *body,
+        "</svg>",
+        "",
+    ])  # fmt: skip
+    with whole_file(path) as unfinished:
+        unfinished.write_text(text, encoding="utf-8")
+    return Path(path)

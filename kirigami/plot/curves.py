@@ -1,0 +1,213 @@
+"""Curves over the path: forces and open areas."""
+
+from __future__ import annotations
+
+import copy
+import itertools
+from collections.abc import Iterable
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from kirigami.errors import ModelError
+from kirigami.plot import style
+
+if TYPE_CHECKING:
+    from kirigami.model import Node
+    from kirigami.results import Results
+
+Floats = NDArray[np.float64]
+
+
+@style.styled
+def plot_curve(
+    results: Results,
+    nodes: Node | int | Iterable[Node | int] | None = None,
+    axis: str = "y",
+    x: str | tuple[Any, str] | ArrayLike = "lam",
+    ax: Any = None,
+    label: str | None = None,
+    color: Any = style.BLUE,
+    markers: bool = True,
+) -> Any:
+    """Draw the force curve: stable parts solid, unstable parts dashed, limit points marked.
+
+    Parameters
+    ----------
+    results : Results
+        What to draw.
+    nodes : Node, int, or sequence of them, optional
+        Supported nodes whose summed reaction is drawn; None draws the load factor.
+    axis : {"x", "y", "z"}
+        Component of the reaction.
+    x : "lam", (node, axis) or array_like, shape (s,)
+        What it is drawn over: the load factor, a displacement of a node, or your own values such as a strain.
+    ax : matplotlib axes, optional
+        Where to draw; a new figure by default. Draw twice on the same axes to compare two runs.
+    label : str, optional
+        Name of the curve in the legend.
+    color : matplotlib colour
+        Colour of the curve.
+    markers : bool
+        Whether to dot the stored steps.
+
+    Returns
+    -------
+    matplotlib axes
+
+    Raises
+    ------
+    ModelError
+        No steps, an unknown axis or node, or nothing to draw over.
+
+    Examples
+    --------
+    >>> import kirigami as kg
+    >>> m = kg.Model(dim=2)
+    >>> left, apex, right = m.add(kg.Node(-1, 0), kg.Node(0, 1), kg.Node(1, 0))
+    >>> bars = m.add(kg.Bar(left, apex, EA=1.0), kg.Bar(apex, right, EA=1.0))
+    >>> rest = m.add(kg.Fix([left, right]), kg.Fix(apex, "x"), kg.NodalLoad(apex, (0, -1)))
+    >>> res = kg.DisplacementControl(m, to=-2.0, control=(apex, "y")).run()
+    >>> ax = res.plot_curve(x=(apex, "y"))
+    >>> [text.get_text() for text in ax.get_legend().get_texts()]
+    ['stable', 'unstable', 'limit point']
+    """
+    across, across_label = _abscissa(results, x, "plot_curve")
+    if nodes is None and isinstance(x, str):
+        raise ModelError("plot_curve: give nodes whose reaction is drawn, or x=(node, axis) to draw the load factor over")
+    up = results.lam if nodes is None else results.reaction(nodes, axis)
+    firm = np.array([step.negative in (None, 0) for step in results.steps])
+    ax = style.new_axes((4.4, 3.2)) if ax is None else ax
+    if markers and len(across) <= 80:
+        ax.plot(across, up, linestyle="none", marker="o", markersize=2.6, color=color)
+    # A located limit point is a point of the curve like any other; the stable and the unstable side meet there.
+    limits, after = _limit_points(results)
+    located = len(after) > 0 and isinstance(x, (str, tuple))
+    if located:
+        across = np.insert(across, after, _abscissa(limits, x, "plot_curve")[0])
+        up = np.insert(up, after, limits.lam if nodes is None else limits.reaction(nodes, axis))
+        firm = np.insert(firm, after, True)
+        after = after + np.arange(len(after))
+    names = {True: label or (None if firm.all() else "stable"), False: None if label else "unstable"}
+    for begin, end, stable in _pieces(firm[:-1] & firm[1:]):
+        line = "-" if stable else (0, (3, 2))
+        ax.plot(across[begin:end], up[begin:end], color=color, linewidth=1.5, linestyle=line, label=names[stable])
+        names[stable] = None
+    if located:
+        look = {"markersize": 6.0, "markerfacecolor": "white", "markeredgecolor": style.VERMILION, "markeredgewidth": 1.4}
+        name = None if label else "limit point"
+        ax.plot(across[after], up[after], linestyle="none", marker="o", zorder=3, label=name, **look)
+    ax.set_xlabel(across_label)
+    ax.set_ylabel("load factor" if nodes is None else f"reaction along {axis}")
+    if ax.get_legend_handles_labels()[0]:
+        ax.legend()
+    return ax
+
+
+@style.styled
+def plot_open_area(
+    results: Results,
+    x: str | tuple[Any, str] | ArrayLike = "lam",
+    ax: Any = None,
+    label: str | None = None,
+    color: Any = style.BLUE,
+    cuts: bool = True,
+) -> Any:
+    """Draw the open area of the cuts: their union bold, each cut by itself thin.
+
+    Parameters
+    ----------
+    results : Results
+        What to draw; of a model made from a mesh with cuts.
+    x : "lam", (node, axis) or array_like, shape (s,)
+        What it is drawn over, as in :func:`plot_curve`.
+    ax : matplotlib axes, optional
+        Where to draw; a new figure by default.
+    label : str, optional
+        Name of the curve in the legend.
+    color : matplotlib colour
+        Colour of the bold curve.
+    cuts : bool
+        Whether to draw the curve of each cut as well.
+
+    Returns
+    -------
+    matplotlib axes
+
+    Raises
+    ------
+    ModelError
+        No steps, or a mesh without cuts.
+    AnalysisError
+        The model was not made from a mesh.
+
+    Examples
+    --------
+    >>> import kirigami as kg
+    >>> ring = [(0, 0), (3, 0), (3, 3), (0, 3), (1, 1), (2, 1), (2, 2), (1, 2)]
+    >>> facets = [(0, 1, 5), (0, 5, 4), (1, 2, 6), (1, 6, 5), (2, 3, 7), (2, 7, 6), (3, 0, 4), (3, 4, 7)]
+    >>> m = kg.Model.from_mesh(kg.TriMesh(ring, facets), thickness=0.01, material=kg.Material(E=1e9), dim=2)
+    >>> bottom, top = m.select(boundary="bottom"), m.select(boundary="top")
+    >>> held = m.add(kg.Fix(bottom), kg.Fix(top, "x"), kg.Prescribe(top, y=0.3))
+    >>> ax = kg.plot.plot_open_area(kg.LinearStatic(m).run())
+    >>> ax.get_ylabel()
+    'open area'
+    """
+    across, across_label = _abscissa(results, x, "plot_open_area")
+    each = results.open_area()
+    if not each.shape[1]:
+        raise ModelError("plot_open_area: the mesh has no cuts")
+    ax = style.new_axes((4.4, 3.2)) if ax is None else ax
+    several = cuts and each.shape[1] > 1
+    if several:
+        thin = ax.plot(across, each, color=style.GREY, linewidth=0.5, alpha=0.7)
+        if label is None:
+            thin[0].set_label("each cut")
+    name = label if label is not None else "all cuts" if several else None
+    ax.plot(across, results.open_area(union=True), color=color, linewidth=1.5, marker="o", markersize=2.6, label=name)
+    ax.set_xlabel(across_label)
+    ax.set_ylabel("open area")
+    ax.set_ylim(bottom=min(0.0, float(each.min())))
+    if ax.get_legend_handles_labels()[0]:
+        ax.legend()
+    return ax
+
+
+def _abscissa(results: Results, x: Any, owner: str) -> tuple[Floats, str]:
+    """Values (s,) along the horizontal axis and what they are."""
+    if not len(results):
+        raise ModelError(f"{owner}: the results hold no step")
+    if isinstance(x, str):
+        if x != "lam":
+            raise ModelError(f"{owner}: x must be 'lam', (node, axis) or one value for each step, got {x!r}")
+        return results.lam, "load factor"
+    if isinstance(x, tuple) and len(x) == 2 and isinstance(x[1], str):
+        node, axis = x
+        if axis not in ("x", "y", "z"):
+            raise ModelError(f"{owner}: the axis in x must be 'x', 'y' or 'z', got {axis!r}")
+        index = results.node_index(node)
+        return results.u[:, index, "xyz".index(axis)].mean(axis=1), f"displacement along {axis}"
+    values = np.asarray(x, dtype=float)
+    if values.shape != results.lam.shape:
+        raise ModelError(f"{owner}: x must hold one value for each of the {len(results)} steps, got {values.shape}")
+    return values, ""
+
+
+def _limit_points(results: Results) -> tuple[Results, NDArray[np.int64]]:
+    """Located limit points as results of their own, so that reactions can be asked for there, and the step after each."""
+    from kirigami.results import Step
+
+    points = copy.copy(results)
+    points.steps = []
+    found = [event for event in results.events if event.kind == "limit point" and event.u is not None]
+    for event in found:
+        assert event.u is not None
+        points.append(Step(event.lam, event.u, history=results[event.step].history))
+    return points, np.array([event.step + 1 for event in found], dtype=np.int64)
+
+
+def _pieces(firm: NDArray[np.bool_]) -> list[tuple[int, int, bool]]:
+    """Runs of like segments as (first point, last point + 1, stable)."""
+    bounds = np.concatenate([[0], np.flatnonzero(np.diff(firm)) + 1, [len(firm)]]) if len(firm) else np.zeros(1, int)
+    return [(int(begin), int(end) + 1, bool(firm[begin])) for begin, end in itertools.pairwise(bounds)]

@@ -1,0 +1,333 @@
+"""The deformed structure: sheets as filled facets, everything else as lines."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from kirigami.errors import ModelError
+from kirigami.plot import style
+
+if TYPE_CHECKING:
+    from kirigami.geometry.mesh import TriMesh
+    from kirigami.results import Results
+
+Floats = NDArray[np.float64]
+Integers = NDArray[np.int64]
+
+LABELS = {
+    "height": "height z",
+    "displacement": "displacement",
+    "energy": "energy per area",
+    "force": "bar force",
+    "strain": "bar strain",
+}
+EDGES = ("boundary", "all", "none")
+
+
+@style.styled
+def plot_results(
+    results: Results,
+    step: int = -1,
+    ax: Any = None,
+    color: str | ArrayLike | None = None,
+    edges: str = "boundary",
+    view: str | tuple[float, float] | None = None,
+    magnify: float = 1.0,
+    colorbar: bool = True,
+    cmap: Any = None,
+) -> Any:
+    """Draw the deformed structure at one step.
+
+    Parameters
+    ----------
+    results : Results
+        What to draw.
+    step : int
+        Number of the stored step; -1 is the last.
+    ax : matplotlib axes, optional
+        Where to draw; a new figure by default.
+    color : str or array_like, optional
+        "height", "displacement", "energy" (elastic energy per area at rest; of bar structures, energy), for bar
+        structures also "force" and "strain"; "none" for one plain colour; or one value per node, facet or bar (taken
+        as nodal where the numbers agree). By default height for sheets in space, displacement for sheets in the plane,
+        and force for bar structures.
+    edges : {"boundary", "all", "none"}
+        Facet edges to draw on a sheet: free boundaries and cuts, every edge, or none.
+    view : "top", "3d" or (elevation, azimuth), optional
+        From above, or from a direction [degrees]; by default in space for models with dim=3, else from above.
+    magnify : float
+        Factor on the displacements.
+    colorbar : bool
+        Whether to add a colour bar.
+    cmap : matplotlib colour map, optional
+        Colour map, or its name.
+
+    Returns
+    -------
+    matplotlib axes
+
+    Raises
+    ------
+    ModelError
+        No such step, colour, kind of edges or view; a view in space on flat axes.
+
+    Examples
+    --------
+    >>> import kirigami as kg
+    >>> mesh = kg.TriMesh([(0, 0), (1, 0), (1, 1), (0, 1)], [(0, 1, 2), (0, 2, 3)])
+    >>> m = kg.Model.from_mesh(mesh, thickness=0.01, material=kg.Material(E=1e9))
+    >>> left, right = m.select(boundary="left"), m.select(boundary="right")
+    >>> held = m.add(kg.Fix(left), kg.Fix(right, "z"), kg.Prescribe(right, x=0.1))
+    >>> ax = kg.LinearStatic(m).run().plot(view="top")
+    >>> ax.get_xlabel()
+    'x'
+    """
+    number = checked_step(results, step)
+    looking = chosen_view(results, ax, view)
+    field = Field(results, color)
+    points = displaced(results, results[number].u, magnify)
+    held = points if results.mesh is not None else np.concatenate([points, results.rest])
+    values = field.at(number)
+    bar = colorbar and values is not None
+    place = None
+    if ax is None:
+        ax, place = suitable_axes(held, looking, bar)
+    picture = Picture(results, ax, field, edges, cmap)
+    picture.scale_colors(values)
+    picture.update(points, values)
+    frame(ax, held, looking)
+    if bar:
+        style.color_bar(ax, picture.mappable, field.label, place)
+    return ax
+
+
+def checked_step(results: Results, step: int) -> int:
+    """Step number, or a ModelError that says which there are."""
+    count = len(results)
+    if isinstance(step, bool) or not isinstance(step, (int, np.integer)) or not -count <= step < count:
+        raise ModelError(f"step {step!r} is not stored: the results hold steps 0 to {count - 1}, or -{count} to -1")
+    return int(step)
+
+
+def chosen_view(results: Results, ax: Any, view: Any) -> style.View:
+    """The direction to look from, as far as the axes allow."""
+    if view is None:
+        solid = results.dim == 3 if ax is None else style.is_solid(ax)
+        return style.DEFAULT_VIEW if solid else "top"
+    looking = style.checked_view(view, "plot")
+    if ax is not None and style.is_solid(ax) == (looking == "top"):
+        need = "flat axes" if looking == "top" else "axes made with projection='3d'"
+        raise ModelError(f"plot: view={view!r} needs {need}")
+    return looking
+
+
+def displaced(results: Results, u: Floats, magnify: float = 1.0) -> Floats:
+    """Positions (n, 3) with magnified displacements."""
+    if not np.isfinite(magnify):
+        raise ModelError(f"plot: magnify must be finite, got {magnify}")
+    points: Floats = results.rest + magnify * u
+    return points
+
+
+def suitable_axes(
+    points: Floats, looking: style.View, bar: bool, foot: bool = False, managed: bool = True
+) -> tuple[Any, Any]:
+    """New axes for a picture of points (n, 3), and axes for its colour bar where they must be made at once."""
+    if isinstance(looking, str):
+        size = style.size_for(points.min(axis=0), points.max(axis=0), bar)
+        return style.new_axes(size, managed), None
+    return style.new_solid_axes(points, looking, bar, foot, managed)
+
+
+def frame(ax: Any, points: Floats, looking: style.View) -> None:
+    """Limits that hold points (n, 3)."""
+    if isinstance(looking, str):
+        style.frame_flat(ax, points.min(axis=0), points.max(axis=0))
+    else:
+        style.frame_solid(ax, points, looking)
+
+
+def bars_of(results: Results) -> Integers:
+    """Node pairs (bars, 2) in the order the bars were added."""
+    found = [kernel for kernel in results.kernels if kernel.name == "bars"]
+    conn = np.zeros((sum(len(kernel.conn) for kernel in found), 2), dtype=np.int64)
+    for kernel in found:
+        conn[slice(None) if kernel.members is None else kernel.members] = kernel.conn
+    return conn
+
+
+class Field:
+    """What colour stands for: values per facet of a sheet, or per bar of another structure."""
+
+    def __init__(self, results: Results, color: str | ArrayLike | None) -> None:
+        self.results = results
+        mesh = results.mesh
+        self.cells: Integers = bars_of(results) if mesh is None else mesh.triangles
+        given: Any = color
+        if color is None:
+            given = "force" if mesh is None else "height" if results.dim == 3 else "displacement"
+        self.key = given if isinstance(given, str) else "given"
+        self.label = LABELS.get(self.key, "")
+        if self.key == "energy" and mesh is None:
+            self.label = "energy"
+        self._given: Floats | None = None
+        if self.key == "given":
+            self._given = self._per_cell(np.asarray(given, dtype=float))
+            return
+        known = [*LABELS, "none"] if mesh is None else ["height", "displacement", "energy", "none"]
+        if self.key not in known:
+            raise ModelError(f"color {color!r} is unknown: use one of {', '.join(known)}, or an array of values")
+
+    @property
+    def diverging(self) -> bool:
+        return self.key in ("force", "strain")
+
+    def at(self, number: int) -> Floats | None:
+        """Values per cell at a stored step; None for plain colour."""
+        results = self.results
+        if self.key == "none":
+            return None
+        if self._given is not None:
+            return self._given
+        if self.key == "force":
+            return np.asarray(results.bar_force[number])
+        if self.key == "strain":
+            return np.asarray(results.bar_strain[number])
+        if self.key == "energy":
+            return self._per_cell(self._nodal_energy(number))
+        u = results[number].u
+        return self._per_cell(results.rest[:, 2] + u[:, 2] if self.key == "height" else np.linalg.norm(u, axis=1))
+
+    def _per_cell(self, values: Floats) -> Floats:
+        """Values given per node as means over the nodes of each cell; values given per cell as they are."""
+        if values.shape == (len(self.results.rest),):
+            values = values[self.cells].mean(axis=1)
+        if values.shape != (len(self.cells),) or not np.isfinite(values).all():
+            cell = "bars" if self.results.mesh is None else "facets"
+            raise ModelError(
+                f"color: give one finite value for each of the {len(self.results.rest)} nodes or "
+                f"{len(self.cells)} {cell}, got shape {values.shape}"
+            )
+        return values
+
+    def _nodal_energy(self, number: int) -> Floats:
+        """Elastic energy at each node (n,), over its share of the sheet's area where there is a sheet."""
+        results = self.results
+        total = np.zeros(len(results.rest))
+        step = results[number]
+        for kernel in results.kernels:
+            if kernel.pairs != ():  # loads have no stiffness and store nothing
+                energy = results._at(kernel, step, lambda x: kernel.evaluate(x, step.lam, 0)).energy  # noqa: B023
+                np.add.at(total, kernel.conn, energy[:, None] / kernel.conn.shape[1])
+        if results.mesh is not None:
+            share = np.zeros(len(total))
+            np.add.at(share, results.mesh.triangles, results.mesh.facet_areas[:, None] / 3)
+            total = total / share
+        return total
+
+
+class Picture:
+    """The drawn structure, which can be moved and coloured anew for each frame of an animation."""
+
+    def __init__(self, results: Results, ax: Any, field: Field, edges: str = "boundary", cmap: Any = None) -> None:
+        from matplotlib import colormaps
+        from matplotlib.cm import ScalarMappable
+        from matplotlib.colors import Normalize
+
+        if edges not in EDGES:
+            raise ModelError(f"edges {edges!r} is unknown: use one of {', '.join(EDGES)}")
+        self.ax = ax
+        if cmap is None:
+            cmap = style.diverging_map() if field.diverging else style.sequential_map()
+        elif isinstance(cmap, str):
+            if cmap not in colormaps:
+                raise ModelError(f"cmap {cmap!r} is not a colour map of matplotlib")
+            cmap = colormaps[cmap]
+        self.mappable = ScalarMappable(Normalize(0, 1), cmap)
+        self.symmetric = field.diverging
+        self.solid = style.is_solid(ax)
+        self.mesh: TriMesh | None = results.mesh
+        self.bars = field.cells
+        if self.mesh is None:
+            self._artist = self._make_lines(results)
+        else:
+            outline = {"boundary": self.mesh.boundary_edges, "all": np.arange(len(self.mesh.edges)), "none": []}
+            self.lines = self.mesh.edges[np.asarray(outline[edges], dtype=np.int64)]
+            self._artist = self._make_facets()
+
+    def scale_colors(self, *values: Floats | None) -> None:
+        """Let the colours span all the values given."""
+        given = [part for part in values if part is not None and part.size]
+        if not given:
+            return
+        low, high = min(float(part.min()) for part in given), max(float(part.max()) for part in given)
+        if self.symmetric:
+            high = max(abs(low), abs(high))
+            low = -high
+        if high - low <= 1e-12 * max(abs(low), abs(high)):
+            low, high = low - 0.5 * (abs(low) or 1.0), high + 0.5 * (abs(high) or 1.0)
+        self.mappable.set_clim(low, high)
+
+    def update(self, points: Floats, values: Floats | None) -> None:
+        """Move to positions `points` (n, 3) and colour by `values`, one per facet or bar."""
+        if self.mesh is None:
+            self._artist.set_segments(points[self.bars] if self.solid else points[self.bars][..., :2])
+            self._artist.set_color(style.INK if values is None else self.mappable.to_rgba(values))
+            return
+        corners = points[self.mesh.triangles]
+        colors = np.tile(_rgba(style.PALE), (len(corners), 1)) if values is None else self.mappable.to_rgba(values)
+        colors[:, :3] *= _light(corners)[:, None]
+        # Edges go into the same collection as facets with no area, so that depth sorting hides those at the back.
+        ends = points[self.lines]
+        polygons = np.concatenate([corners, ends[:, [0, 1, 1]]])
+        faces = np.concatenate([colors, np.zeros((len(ends), 4))])
+        rims = np.concatenate([colors, np.tile(_rgba(style.INK), (len(ends), 1))])
+        if not self.solid:
+            order = np.argsort(polygons[..., 2].mean(axis=1), kind="stable")
+            polygons, faces, rims = polygons[order][..., :2], faces[order], rims[order]
+        self._artist.set_verts(polygons)
+        self._artist.set_facecolor(faces)
+        self._artist.set_edgecolor(rims)
+
+    def _make_facets(self) -> Any:
+        if self.solid:
+            from mpl_toolkits.mplot3d.art3d import Poly3DCollection
+
+            return self.ax.add_collection3d(Poly3DCollection(np.zeros((1, 3, 3)), linewidths=0.45))
+        from matplotlib.collections import PolyCollection
+
+        return self.ax.add_collection(PolyCollection([], linewidths=0.45), autolim=False)
+
+    def _make_lines(self, results: Results) -> Any:
+        rest: Any = results.rest[self.bars]
+        width = 2.2 if len(self.bars) < 60 else 1.2
+        if self.solid:
+            from mpl_toolkits.mplot3d.art3d import Line3DCollection
+
+            self.ax.computed_zorder = False  # which would bring the rest state to the front here and there
+            behind = Line3DCollection(rest, colors=style.PALE, linewidths=0.6 * width, zorder=1)
+            self.ax.add_collection3d(behind)
+            return self.ax.add_collection3d(Line3DCollection(rest, linewidths=width, zorder=2))
+        from matplotlib.collections import LineCollection
+
+        flat = rest[..., :2]
+        self.ax.add_collection(LineCollection(flat, colors=style.PALE, linewidths=0.6 * width, zorder=1))
+        return self.ax.add_collection(LineCollection(flat, linewidths=width, capstyle="round", zorder=2))
+
+
+def _rgba(color: str) -> Floats:
+    from matplotlib.colors import to_rgba
+
+    return np.array(to_rgba(color))
+
+
+def _light(corners: Floats) -> Floats:
+    """Brightness of facets (m, 3, 3), from 0.8 to 1: enough to see a fold, too little to be taken for a value."""
+    normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    size = np.linalg.norm(normal, axis=1)
+    towards_light = np.abs(normal @ np.array([-0.48, -0.36, 0.8])) / np.where(size > 0, size, 1.0)
+    brightness: Floats = 0.8 + 0.2 * towards_light
+    return brightness

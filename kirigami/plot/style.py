@@ -1,0 +1,186 @@
+"""The look of all pictures: a few colour-blind safe colours (Okabe and Ito), thin lines, and no frame that says nothing."""
+
+from __future__ import annotations
+
+import functools
+from collections.abc import Callable, Sequence
+from typing import Any, ParamSpec, TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kirigami.errors import ModelError
+
+INK = "#333333"
+GREY = "#9aa0a6"
+PALE = "#d9dde2"
+PAPER = "#eef1f5"  # fill of an undeformed sheet
+BLUE = "#0072b2"
+VERMILION = "#d55e00"
+GREEN = "#009e73"
+
+SETTINGS: Any = {
+    "font.size": 9.0,
+    "axes.labelsize": 9.0,
+    "axes.edgecolor": INK,
+    "axes.labelcolor": INK,
+    "axes.linewidth": 0.7,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "axes.titlesize": 9.0,
+    "xtick.color": INK,
+    "ytick.color": INK,
+    "xtick.major.width": 0.7,
+    "ytick.major.width": 0.7,
+    "xtick.labelsize": 8.0,
+    "ytick.labelsize": 8.0,
+    "legend.frameon": False,
+    "legend.fontsize": 8.0,
+    "figure.dpi": 120.0,
+    "savefig.dpi": 200.0,
+}
+
+DEFAULT_VIEW = (32.0, -62.0)  # elevation and azimuth in degrees
+View = str | tuple[float, float]
+Floats = NDArray[np.float64]
+
+Parameters = ParamSpec("Parameters")
+Returned = TypeVar("Returned")
+
+
+def styled(draw: Callable[Parameters, Returned]) -> Callable[Parameters, Returned]:
+    """Let a function draw in this style without changing the settings of the session."""
+
+    @functools.wraps(draw)
+    def drawn(*args: Parameters.args, **options: Parameters.kwargs) -> Returned:
+        import matplotlib
+
+        with matplotlib.rc_context(SETTINGS):
+            return draw(*args, **options)
+
+    return drawn
+
+
+def new_axes(size: tuple[float, float], managed: bool = True) -> Any:
+    """Flat axes of a new figure of `size` in inches.
+
+    Without `managed` the figure does not belong to pyplot: it opens no window and needs no closing.
+    """
+    return _new_figure(size, managed, layout="constrained").add_subplot()
+
+
+def new_solid_axes(
+    points: Floats, view: tuple[float, float], bar: bool, foot: bool = False, managed: bool = True
+) -> tuple[Any, Any]:
+    """Axes in space in a figure cut to what will be seen of `points`, and axes for a colour bar or None.
+
+    matplotlib's axes in space are square whatever they show; here they reach beyond the figure where they are empty.
+    `foot` leaves room for a legend below.
+    """
+    side = 4.8
+    extent = np.ptp(_seen(points, view), axis=0)
+    width, height = side * np.maximum(extent / (float(extent.max()) or 1.0), 0.02)
+    right, below = 0.85 if bar else 0.0, 0.4 if foot else 0.0
+    total = np.array([width + right, max(1.04 * height, 2.0 if bar else 1.0) + below])
+    figure = _new_figure((total[0], total[1]), managed)
+    centre = np.array([width / 2, below + (total[1] - below) / 2]) - 0.0135 * side  # their origin is off the middle
+    ax = figure.add_axes([*(centre - side / 2) / total, *side / total], projection="3d")
+    tall = min(0.75 * total[1], 2.6)
+    cax = figure.add_axes([*np.array([width, (total[1] - tall) / 2]) / total, *np.array([0.11, tall]) / total]) if bar else None
+    return ax, cax
+
+
+def _new_figure(size: tuple[float, float], managed: bool, layout: Any = None) -> Any:
+    if managed:
+        from matplotlib import pyplot
+
+        return pyplot.figure(figsize=size, layout=layout)
+    from matplotlib.figure import Figure
+
+    return Figure(figsize=size, layout=layout)
+
+
+def size_for(low: Floats, high: Floats, bar: bool) -> tuple[float, float]:
+    """Size of a figure [inches] that suits a flat picture of everything between two corners."""
+    width, height = (high - low)[:2] + 0.05 * max((high - low)[:2].max(), 1e-300)
+    scale = min(4.6 / width, 4.2 / height)
+    return scale * width + (1.7 if bar else 0.8), max(scale * height + 0.7, 2.0)
+
+
+def is_solid(ax: Any) -> bool:
+    """Whether axes are three-dimensional."""
+    return getattr(ax, "name", "") == "3d"
+
+
+def checked_view(view: Any, owner: str) -> View:
+    """`view` as "top" or as elevation and azimuth in degrees."""
+    if isinstance(view, str):
+        if view in ("top", "3d"):
+            return DEFAULT_VIEW if view == "3d" else view
+    elif isinstance(view, Sequence) and len(view) == 2 and np.isfinite(np.asarray(view, dtype=float)).all():
+        return float(view[0]), float(view[1])
+    raise ModelError(f"{owner}: view must be 'top', '3d' or (elevation, azimuth) in degrees, got {view!r}")
+
+
+def frame_flat(ax: Any, low: Floats, high: Floats) -> None:
+    """Equal scales and named axes for a picture in the plane that holds everything between two corners."""
+    ax.update_datalim([low[:2], high[:2]])
+    ax.autoscale_view()
+    ax.set_aspect("equal")
+    ax.set_xlabel("x")
+    ax.set_ylabel("y")
+
+
+def frame_solid(ax: Any, points: Floats, view: tuple[float, float]) -> None:
+    """Equal scales for a picture in space that just holds `points` (n, 3), without a box round it."""
+    from mpl_toolkits.mplot3d import proj3d
+
+    middle = (points.min(axis=0) + points.max(axis=0)) / 2
+    seen = _seen(points - middle, view)
+    middle = middle + (seen.min(axis=0) + seen.max(axis=0)) / 2 @ _screen(view)
+    reach = float(np.ptp(points, axis=0).max()) / 2 or 1.0
+    for axis, centre in zip("xyz", middle):
+        getattr(ax, f"set_{axis}lim")(centre - reach, centre + reach)
+    ax.set_proj_type("ortho")
+    ax.view_init(elev=view[0], azim=view[1])
+    ax.set_box_aspect((1, 1, 1))
+    across, up, _ = proj3d.proj_transform(*points.T, ax.get_proj())
+    apparent = max(np.ptp(across) / np.ptp(ax.viewLim.intervalx), np.ptp(up) / np.ptp(ax.viewLim.intervaly))
+    ax.set_box_aspect((1, 1, 1), zoom=0.95 / apparent if apparent > 0 else 1.0)
+    ax.set_axis_off()
+
+
+def _screen(view: tuple[float, float]) -> Floats:
+    """Directions (2, 3) to the right and up on the screen, for an elevation and an azimuth in degrees."""
+    elevation, azimuth = np.radians(view)
+    right = (-np.sin(azimuth), np.cos(azimuth), 0.0)
+    up = (-np.sin(elevation) * np.cos(azimuth), -np.sin(elevation) * np.sin(azimuth), np.cos(elevation))
+    return np.array([right, up])
+
+
+def _seen(points: Floats, view: tuple[float, float]) -> Floats:
+    """Places (n, 2) of points on the screen."""
+    seen: Floats = points @ _screen(view).T
+    return seen
+
+
+def color_bar(ax: Any, mappable: Any, label: str, place: Any = None) -> Any:
+    """A slim colour bar without a frame, beside `ax` or on axes of its own."""
+    where = {"ax": ax, "shrink": 0.6, "aspect": 22, "pad": 0.03} if place is None else {"cax": place}
+    bar = ax.figure.colorbar(mappable, label=label, **where)
+    bar.outline.set_visible(False)
+    bar.ax.tick_params(length=2.5)
+    return bar
+
+
+def sequential_map() -> Any:
+    from matplotlib import colormaps
+
+    return colormaps["viridis"]
+
+
+def diverging_map() -> Any:
+    """Blue over grey to vermilion; grey and not white in the middle, so that an idle bar is still seen."""
+    from matplotlib.colors import LinearSegmentedColormap
+
+    return LinearSegmentedColormap.from_list("blue_vermilion", [BLUE, "#c4c8cc", VERMILION])

@@ -1,0 +1,1 @@
+"""What follows from results: areas, shares, averages. Nothing here solves anything."""

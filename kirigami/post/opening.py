@@ -1,0 +1,106 @@
+"""Open area: how much of the view from above the cuts let through."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from kirigami.errors import ModelError
+
+Floats = NDArray[np.float64]
+
+
+def open_area(positions: ArrayLike, cuts: Sequence[Any], union: bool = False) -> Floats:
+    """Area of the cut openings, projected on the xy plane.
+
+    Parameters
+    ----------
+    positions : array_like, shape (s, n, 2 or 3) or (n, 2 or 3)
+        Node positions at each of s steps [length].
+    cuts : sequence of CutLoop or of integer arrays
+        Node indices round each opening, counter-clockwise at rest, the first node not repeated. A cut that is open to
+        the edge of the sheet runs from mouth to mouth and is closed by the chord of its mouth.
+    union : bool
+        False: the signed area of each cut by itself. Where one lip lies over the other, seen from above, the area
+        between them counts negative, so the value varies smoothly through closure. True: the area open in any cut;
+        openings that overlap each other count once, lips that overlap close the view and count nothing.
+
+    Returns
+    -------
+    ndarray, shape (s, cuts), or (s,) with ``union``
+        Area [length^2]; one step less a dimension if `positions` has no step axis.
+
+    Raises
+    ------
+    ModelError
+        Positions of the wrong shape or not finite, or a cut that names a node that is not there.
+
+    Notes
+    -----
+    Shoelace formula, A = 1/2 sum (x_i y_{i+1} - x_{i+1} y_i), about the first node of each loop. Seen from above only:
+    a flap that shades another opening is not taken into account.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> square = np.array([(0, 0, 0), (2, 0, 0), (2, 1, 0), (0, 1, 0)])
+    >>> open_area(square, [[0, 1, 2, 3]]).tolist()
+    [2.0]
+    >>> open_area([square, 2 * square], [[0, 1, 2, 3], [0, 1, 2]], union=True).tolist()
+    [2.0, 8.0]
+    """
+    points = np.asarray(positions, dtype=float)
+    if points.ndim not in (2, 3) or points.shape[-1] not in (2, 3) or not np.isfinite(points).all():
+        raise ModelError(f"open_area: positions must be finite, of shape (s, n, 3) or (n, 3), got {points.shape}")
+    loops = [_checked_loop(cut, number, points.shape[-2]) for number, cut in enumerate(cuts)]
+    steps = points[None] if points.ndim == 2 else points
+    if union:
+        area = np.array([_union_area(step, loops) for step in steps[..., :2]], dtype=float)
+    else:
+        area = np.zeros((len(steps), len(loops)))
+        for column, loop in enumerate(loops):
+            area[:, column] = _shoelace(steps[:, loop, :2])
+    return area[0] if points.ndim == 2 else area
+
+
+def _checked_loop(cut: Any, number: int, nodes: int) -> NDArray[np.int64]:
+    loop = np.asarray(getattr(cut, "loop", cut))
+    if loop.ndim != 1 or len(loop) < 3 or loop.dtype.kind not in "iu" or loop.min() < 0 or loop.max() >= nodes:
+        raise ModelError(f"open_area: cut {number} must list at least three node indices below {nodes}")
+    return loop.astype(np.int64)
+
+
+def _shoelace(loop: Floats) -> Floats:
+    """Signed area (s,) of closed loops (s, k, 2)."""
+    x, y = np.moveaxis(loop - loop[:, :1], -1, 0)
+    area: Floats = 0.5 * (x * np.roll(y, -1, axis=1) - np.roll(x, -1, axis=1) * y).sum(axis=1)
+    return area
+
+
+def _union_area(points: Floats, loops: list[NDArray[np.int64]]) -> float:
+    from shapely import union_all
+
+    return float(union_all([face for loop in loops for face in _open_faces(points[loop])]).area)
+
+
+def _open_faces(loop: Floats) -> list[Any]:
+    """Faces of the plane that a closed loop (k, 2) runs round counter-clockwise: the parts one can see through."""
+    from shapely import LineString, Point, Polygon, get_parts, polygonize, unary_union
+
+    whole = Polygon(loop)
+    if whole.is_valid:
+        return [whole] if _shoelace(loop[None])[0] > 0 else []
+    ring = np.vstack([loop, loop[:1]])
+    faces = get_parts(polygonize(get_parts(unary_union(LineString(ring))).tolist()))
+    return [face for face in faces if _winding(Point(face.representative_point()), loop) > 0]
+
+
+def _winding(point: Any, loop: Floats) -> int:
+    """How often a closed loop (k, 2) runs counter-clockwise round a point that is not on it."""
+    x, y = (loop - (point.x, point.y)).T
+    angle = np.arctan2(y, x)
+    turn = np.diff(angle, append=angle[:1])
+    return int(np.rint(((turn + np.pi) % (2 * np.pi) - np.pi).sum() / (2 * np.pi)))

@@ -1,0 +1,26 @@
+"""Tilings: flat panels joined at corners, ready to become planar models of bars and angle springs.
+
+>>> from kirigami import tilings
+>>> lattice = tilings.rotating_squares(angle=0.6).patch(2, 3)
+>>> print(lattice)
+Tiling of 24 panels with 38 joints
+"""
+
+from __future__ import annotations
+
+from kirigami.tilings.families import critical_angles, kagome, rotating_squares, rotating_triangles, square_rhombus
+from kirigami.tilings.panel import Ligament
+from kirigami.tilings.polygons import from_polygons
+from kirigami.tilings.tiling import Gap, Tiling
+
+__all__ = [
+    "Gap",
+    "Ligament",
+    "Tiling",
+    "critical_angles",
+    "from_polygons",
+    "kagome",
+    "rotating_squares",
+    "rotating_triangles",
+    "square_rhombus",
+]

@@ -1,0 +1,153 @@
+"""Quantities written with their unit, as on a command line: "0.1mm", "3.5GPa", "20%"."""
+
+from __future__ import annotations
+
+import math
+import re
+
+from kirigami.errors import ModelError
+
+METRES = {
+    "m": 1.0, "km": 1e3, "dm": 0.1, "cm": 1e-2, "mm": 1e-3, "um": 1e-6, "µm": 1e-6, "nm": 1e-9,
+    "in": 0.0254, "inch": 0.0254, '"': 0.0254, "mil": 2.54e-5, "ft": 0.3048, "pt": 0.0254 / 72, "px": 0.0254 / 96,
+}  # fmt: skip
+UNITS: dict[str, dict[str, float]] = {
+    "length": METRES,
+    "stress": {
+        "Pa": 1.0, "kPa": 1e3, "MPa": 1e6, "GPa": 1e9, "TPa": 1e12, "N/m2": 1.0, "N/mm2": 1e6, "bar": 1e5,
+        "psi": 6894.757293168, "ksi": 6894757.293168,
+    },
+    "density": {"kg/m3": 1.0, "g/cm3": 1e3, "g/cc": 1e3},
+    "ratio": {"%": 1e-2, "": 1.0},
+}  # fmt: skip
+_QUANTITY = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*(.*?)\s*")
+
+
+def metres_per(unit: str) -> float:
+    """Length of one `unit` in metres.
+
+    Parameters
+    ----------
+    unit : str
+        "mm", "in", ...
+
+    Raises
+    ------
+    ModelError
+        The unit is unknown; the message lists those there are.
+
+    Examples
+    --------
+    >>> metres_per("mm")
+    0.001
+    """
+    if unit not in METRES:
+        raise ModelError(f"unit of length {unit!r} is unknown: use one of {', '.join(METRES)}")
+    return METRES[unit]
+
+
+def parse(text: str | float, kind: str) -> float:
+    """A quantity in SI units.
+
+    Parameters
+    ----------
+    text : str or float
+        Number and unit. A number alone is in SI units (metres, pascals, kg/m3, a ratio).
+    kind : {"length", "stress", "density", "ratio"}
+        What it must be.
+
+    Raises
+    ------
+    ModelError
+        No number, a unit of another kind or none that is known, or a value that is not finite.
+
+    Examples
+    --------
+    >>> parse("0.1mm", "length"), parse("3.5 GPa", "stress"), parse("20%", "ratio")
+    (0.0001, 3500000000.0, 0.2)
+    """
+    known = UNITS[kind]
+    match = _QUANTITY.fullmatch(str(text))
+    if not match:
+        raise ModelError(f"{text!r} is no {kind}: write a number and a unit, such as {_example(kind)}")
+    number, unit = float(match[1]), match[2].replace("^", "").replace("²", "2").replace("³", "3")
+    if unit and unit not in known:
+        other = next((name for name, units in UNITS.items() if unit in units), None)
+        alike = next((name for name in known if name.lower() == unit.lower()), None)
+        why = f"{unit!r} is a unit of {other}" if other else f"the unit {unit!r} is unknown"
+        why += f" (did you mean {alike}?)" if alike else ""
+        raise ModelError(f"{text!r}: {why}; a {kind} takes {', '.join(filter(None, known))}")
+    # Dividing by the whole number of small units rounds once, where multiplying by 1e-3 would round twice.
+    factor = known[unit] if unit else 1.0
+    inverse = round(1 / factor)
+    value = number / inverse if factor < 1 and math.isclose(inverse * factor, 1.0, rel_tol=1e-15) else number * factor
+    if not math.isfinite(value):
+        raise ModelError(f"{text!r} is not a finite {kind}")
+    return value
+
+
+def _example(kind: str) -> str:
+    return {"length": "0.1mm", "stress": "3.5GPa", "density": "1390kg/m3", "ratio": "20%"}[kind]
+
+
+def show(value: float, kind: str) -> str:
+    """A quantity in SI units as a person would write it.
+
+    Parameters
+    ----------
+    value : float
+        In SI units.
+    kind : {"length", "stress", "density", "ratio"}
+        What it is.
+
+    Examples
+    --------
+    >>> show(1e-4, "length"), show(3.5e9, "stress"), show(0.2, "ratio")
+    ('0.1 mm', '3.5 GPa', '20 %')
+    """
+    if kind == "ratio":
+        return f"{100 * value:.6g} %"
+    if kind == "density":
+        return f"{value:.6g} kg/m3"
+    scale = (("m", 1.0), ("mm", 1e-3), ("um", 1e-6)) if kind == "length" else (
+        ("GPa", 1e9), ("MPa", 1e6), ("kPa", 1e3), ("Pa", 1.0)
+    )  # fmt: skip
+    least = 0.1 if kind == "length" else 1.0
+    unit, factor = next(((u, f) for u, f in scale if abs(value) >= least * f), scale[-1])
+    return f"{value / factor:.6g} {unit}"
+
+
+def doubts(*, thickness: float, size: float, E: float, strain: float) -> list[str]:
+    """What looks like a slip of units, in words; an empty list where all is plausible.
+
+    Parameters
+    ----------
+    thickness, size : float
+        Of the sheet [m]; size is its longer side.
+    E : float
+        Young's modulus [Pa].
+    strain : float
+        Largest strain asked for.
+
+    Examples
+    --------
+    >>> doubts(thickness=1e-4, size=0.2, E=3.5e9, strain=0.2)
+    []
+    >>> doubts(thickness=0.1, size=0.2, E=3.5e9, strain=20)
+    ['the thickness 0.1 m is 50 % of the size 0.2 m: not a thin sheet', 'a strain of 2000 %: was 20 % meant?']
+    """
+    found = []
+    if thickness > 0.1 * size:
+        share = show(thickness / size, "ratio")
+        found.append(f"the thickness {show(thickness, 'length')} is {share} of the size {show(size, 'length')}: "
+                     "not a thin sheet")  # fmt: skip
+    if thickness < 1e-6 * size:
+        found.append(f"the thickness {show(thickness, 'length')} is less than a millionth of the size "
+                     f"{show(size, 'length')}")  # fmt: skip
+    if not 1e3 <= E <= 1.5e12:
+        found.append(f"a Young's modulus of {show(E, 'stress')} is outside what sheets are made of (1 kPa to 1.5 TPa)")
+    if not 1e-6 <= size <= 100:
+        found.append(f"the sheet measures {show(size, 'length')}: is the unit of the drawing right?")
+    if abs(strain) > 5:
+        found.append(f"a strain of {show(strain, 'ratio')}: was {strain:.6g} % meant?")
+    return found

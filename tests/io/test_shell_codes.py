@@ -1,0 +1,218 @@
+"""The same sheet in shell codes: what the writers hand over, and runs of CalculiX and OpenSeesPy where installed."""
+
+from __future__ import annotations
+
+import csv
+import importlib.util
+import re
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import kirigami as kg
+from kirigami.io.abaqus import to_abaqus
+from kirigami.io.opensees import to_openseespy
+
+MATERIAL = kg.Material(E=2e9, nu=1 / 3, density=1400.0)  # bars of equilateral facets have a Poisson ratio of 1/3
+
+
+def equilateral_strip(columns: int, rows: int) -> kg.TriMesh:
+    """Edges of length 1 along x; half facets close the ends, so the outline is a rectangle."""
+    height = np.sqrt(3) / 2
+    nodes: list[tuple[float, float]] = []
+    layers = []
+    for j in range(rows + 1):
+        xs = np.arange(columns + 1.0) if j % 2 == 0 else np.r_[0.0, np.arange(columns) + 0.5, float(columns)]
+        layers.append(range(len(nodes), len(nodes) + len(xs)))
+        nodes += [(x, height * j) for x in xs]
+    facets = []
+    for j in range(rows):
+        whole, staggered = layers[j], layers[j + 1]
+        if j % 2:
+            whole, staggered = staggered, whole
+        facets += [(whole[i], whole[i + 1], staggered[i + 1]) for i in range(columns)]
+        facets += [(whole[i], staggered[i + 1], staggered[i]) for i in range(columns + 1)]
+    return kg.TriMesh(nodes, facets)
+
+
+def pulled(stretch: float = 1e-3) -> kg.Model:
+    """Uniaxial stress: free sides, ends that may contract."""
+    m = kg.Model.from_mesh(equilateral_strip(8, 4), 0.02, MATERIAL)
+    m.name = "pulled patch"
+    left, right = m.select(boundary="left"), m.select(boundary="right")
+    m.add(kg.Fix(left, "xz"), kg.Fix(m.select(index=0), "y"), kg.Prescribe(right, x=8 * stretch, z=0.0))
+    return m
+
+
+def bent(lift: float = 0.02) -> kg.Model:
+    """A cantilever, clamped at the left, lifted at the right."""
+    m = kg.Model.from_mesh(equilateral_strip(20, 4), 0.02, MATERIAL)
+    m.add(kg.Fix(m.select(boundary="left"), clamp=True), kg.Prescribe(m.select(boundary="right"), z=lift))
+    return m
+
+
+def disc() -> kg.Model:
+    """A disc with one slit, its upper lip bulged, two small grips pulled apart by 0.1 per cent of the radius."""
+    outline, cuts = kg.cuts.single_slit_disc(radius=3, length=2.58)
+    mesh = kg.Sheet(outline, cuts, 0.003, kg.Material(E=760000, nu=0.34)).mesh(0.6, cut_edge=0.3)
+    m = kg.Model.from_mesh(mesh)
+    x, y, _ = mesh.nodes.T
+    above = np.zeros(len(x), bool)
+    above[np.unique(mesh.triangles[mesh.nodes[mesh.triangles, 1].mean(axis=1) > 0])] = True
+    tips = [np.argmin(np.hypot(x - tip, y)) for tip in (-1.29, 1.29)]
+    bump = np.where(above & (np.abs(x) < 1.29), 0.05 * (1 - (x / 1.29) ** 2) ** 2 * np.exp(-((y / 2.95) ** 2)), 0.0)
+    bump[tips] = 0.0
+    bump[(y < 0) | ((np.abs(y) < 1e-9) & np.isin(np.arange(len(x)), mesh.triangles[mesh.nodes[mesh.triangles, 1].mean(axis=1) < 0]))] = 0
+    m.perturb(bump)
+    for side, pull in ((1, 5e-5), (-1, -5e-5)):
+        grip = m.select(boundary="outer", where=lambda x, y, z, s=side: (np.abs(x) <= 0.25) & (s * y > 2))
+        m.add(kg.Prescribe(grip, x=0, y=pull, z=0))
+    return m
+
+
+# ------------------------------------------------------------------------------------------- what is written
+
+
+def blocks(text: str) -> list[tuple[str, list[str]]]:
+    """Keyword lines of an input file with the data lines below each."""
+    found: list[tuple[str, list[str]]] = []
+    for line in text.splitlines():
+        if line.startswith("**"):
+            continue
+        if line.startswith("*"):
+            found.append((line, []))
+        else:
+            found[-1][1].append(line)
+    return found
+
+
+def test_abaqus_file_says_all_that_the_model_says(tmp_path: Path) -> None:
+    m = bent()
+    m.perturb(np.random.default_rng(0).normal(size=len(m.nodes)), amplitude=1e-3)
+    m.add(kg.NodalLoad(m.nodes[7], (0, 0, -2.5)))
+    text = to_abaqus(m, tmp_path / "bent.inp", targets=[0.5, 1.0]).read_text()
+    found = blocks(text)
+    rows = {keyword.partition(",")[0]: data for keyword, data in found}
+    places = np.array([row.split(",") for row in rows["*NODE"]], dtype=float)
+    assert places[:, 1:] == pytest.approx(m.positions(), abs=1e-12)
+    facets = np.array([row.split(",") for row in rows["*ELEMENT"]], dtype=int)
+    assert np.array_equal(facets[:, 1:] - 1, m.mesh.triangles)
+    assert [float(value) for value in rows["*ELASTIC"][0].split(",")] == pytest.approx([2e9, 1 / 3])
+    assert float(rows["*DENSITY"][0]) == 1400 and float(rows["*SHELL SECTION"][0]) == 0.02
+    first, *steps = (data for keyword, data in found if keyword == "*BOUNDARY")
+    left = m.index(m.select(boundary="left")) + 1
+    assert set(first) == {f"{n}, {a}, {a}" for n in left for a in (1, 2, 3)} | {f"{n}, 4, 5" for n in left}
+    right = m.index(m.select(boundary="right")) + 1
+    assert [set(data) for data in steps] == [{f"{n}, 3, 3, {0.02 * lam:.13g}" for n in right} for lam in (0.5, 1.0)]
+    assert [data for keyword, data in found if keyword == "*CLOAD"] == [["8, 3, -1.25"], ["8, 3, -2.5"]]
+    assert max(len(field) for row in text.splitlines() if row[:1].isdigit() for field in row.split(", ")) <= 20
+
+
+def test_quadratic_elements_share_the_nodes_between(tmp_path: Path) -> None:
+    m = bent()
+    found = blocks(to_abaqus(m, tmp_path / "bent.inp", element="S6").read_text())
+    rows = {keyword: data for keyword, data in found}
+    places = np.array([row.split(",")[1:] for row in rows["*NODE, NSET=ALL"]], dtype=float)
+    facets = np.array([row.split(",")[1:] for row in rows["*ELEMENT, TYPE=S6, ELSET=SHEET"]], dtype=int) - 1
+    assert len(places) == len(m.nodes) + len(m.mesh.edges)
+    for corner in range(3):
+        ends = facets[:, [corner, (corner + 1) % 3]]
+        assert places[facets[:, 3 + corner]] == pytest.approx(places[ends].mean(axis=1), abs=1e-12)
+    left = np.flatnonzero(places[:, 0] == 0)
+    named = [int(number) - 1 for row in rows["*NSET, NSET=FIXED_0"] for number in row.split(",")]
+    assert sorted(named) == left.tolist() and len(left) == 9
+
+
+def test_what_acts_from_the_start_has_a_step_of_its_own(tmp_path: Path) -> None:
+    m = pulled()
+    m.add(kg.NodalLoad(m.nodes[20], (0, 0, 1.0), constant=True))
+    text = to_abaqus(m, tmp_path / "held.inp").read_text()
+    assert re.findall(r"load factor (\S+)", text) == ["0", "1"]
+    script = to_openseespy(m, tmp_path / "held.py").read_text()
+    assert "(20, (0.0, 0.0, 1.0), (0.0, 0.0, 0.0))," in script
+
+
+@pytest.mark.parametrize("write", [to_abaqus, to_openseespy])
+def test_what_cannot_be_handed_over_is_refused(write, tmp_path: Path) -> None:
+    path = tmp_path / "model"
+    m = pulled()
+    for item, message in (
+        (kg.Bar(m.nodes[0], m.nodes[30], EA=1.0), "1 Bar and 0 BendHinge beyond"),
+        (kg.Tie(m.nodes[15], m.nodes[16], "y"), "Tie.* only Fix and Prescribe"),
+    ):
+        m.add(item)
+        with pytest.raises(kg.ModelError, match=message):
+            write(m, path)
+        m.remove(item)
+    with pytest.raises(kg.ModelError, match="needs a three-dimensional model made by Model.from_mesh"):
+        write(kg.Model(), path)
+    with pytest.raises(kg.ModelError, match="targets must be finite load factors"):
+        write(m, path, targets=[0.5, 0.5])
+    with pytest.raises(kg.ModelError, match="increments must be 1 or more"):
+        write(m, path, increments=0)
+    with pytest.raises(kg.ModelError, match="element must be one of S3"):
+        to_abaqus(m, path, element="S4")
+    assert not list(tmp_path.iterdir())
+
+
+# ------------------------------------------------------------------------------------------- runs
+
+
+def calculix(model: kg.Model, folder: Path, name: str, axis: int) -> float:
+    """Reaction of the first driven support at load factor 1."""
+    program = shutil.which("ccx")
+    if program is None:
+        pytest.skip("CalculiX is not installed (Debian: calculix-ccx)")
+    to_abaqus(model, folder / "sheet.inp", increments=2, element="S6")
+    run = subprocess.run([program, "sheet"], cwd=folder, capture_output=True, text=True, timeout=120)
+    assert "Job finished" in run.stdout, run.stdout[-2000:]
+    printed = re.findall(rf"total force .* for set {name} .*\n\n(.*)\n", (folder / "sheet.dat").read_text())
+    return float(printed[-1].split()[axis])
+
+
+def opensees(model: kg.Model, folder: Path, name: str, axis: int) -> float:
+    """The same from a run of OpenSeesPy, in a process of its own."""
+    if importlib.util.find_spec("openseespy") is None:
+        pytest.skip("OpenSeesPy is not installed")
+    script = to_openseespy(model, folder / "sheet.py", increments=4)
+    run = subprocess.run(
+        [sys.executable, script.name, "out.csv"], cwd=folder, capture_output=True, text=True, timeout=120
+    )
+    assert run.returncode == 0, run.stderr[-2000:]
+    with open(folder / "out.csv") as file:
+        return float(list(csv.DictReader(file))[-1][f"{name.lower()}_{'xyz'[axis]}"])
+
+
+@pytest.mark.external
+@pytest.mark.parametrize("code", [calculix, opensees])
+def test_plate_patch_in_tension(code, tmp_path: Path) -> None:
+    """Force E t W strain: exact for shells, and for bars on equilateral facets; to first order in a strain of 1e-3."""
+    m = pulled()
+    ours = float(kg.DisplacementControl(m).run().reaction(m.select(boundary="right"), "x")[-1])
+    exact = 2e9 * 0.02 * 4 * np.sqrt(3) / 2 * 1e-3
+    assert ours == pytest.approx(exact, rel=1e-2)  # the half facets at the ends are not equilateral
+    assert code(m, tmp_path, "DRIVEN_0", 0) == pytest.approx(exact, rel=3e-3)
+
+
+@pytest.mark.external
+@pytest.mark.parametrize("code", [calculix, opensees])
+def test_plate_patch_in_bending(code, tmp_path: Path) -> None:
+    """Tip force of a cantilever strip, 3 E I w / L^3, a little more where the clamp keeps the strip from arching."""
+    m = bent()
+    ours = float(kg.DisplacementControl(m).run().reaction(m.select(boundary="right"), "z")[-1])
+    beam = 3 * 2e9 * (4 * np.sqrt(3) / 2 * 0.02**3 / 12) * 0.02 / 20**3
+    assert ours == pytest.approx(beam, rel=0.05)
+    assert code(m, tmp_path, "DRIVEN_0", 2) == pytest.approx(ours, rel=0.05)
+
+
+@pytest.mark.external
+@pytest.mark.parametrize("code", [calculix, opensees])
+def test_disc_with_one_slit(code, tmp_path: Path) -> None:
+    """At the onset of buckling on a coarse mesh: three discretisations of one sheet agree within 10 per cent."""
+    m = disc()
+    ours = float(kg.DisplacementControl(m).run().reaction(m.constraints[0].group, "y")[-1])
+    assert code(m, tmp_path, "DRIVEN_0", 1) == pytest.approx(ours, rel=0.10)
