@@ -1,8 +1,8 @@
 """A sheet with 2 x 5 curved cells, stretched until the cells pop out of the plane and open (SI units).
 
 The sheet is 2 m wide and 2.4 m high between grips of 0.095 m, 3 mm thick, E = 2.5 GPa, nu = 0.34. The upper grip moves
-up by 0.4 m, a fifth of the 2 m in which the cuts lie. The cuts are 5 mm wide. A smooth bump of 0.05 m is the stress-free
-imperfection. Open area is counted over the 16 cuts that do not reach the sides.
+up by 0.4 m, a fifth of the 2 m in which the cuts lie. The cuts are 5 mm wide. A smooth bump of 0.05 m is the
+stress-free imperfection. Open area is counted over the 16 cuts that do not reach the sides.
 """
 
 from __future__ import annotations

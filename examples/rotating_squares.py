@@ -50,13 +50,15 @@ def stretch(
     return piece, results, results.reaction(edges["right"], "x"), results.lam * strain, (high - low) / length - 1
 
 
-def open_closed(closing_moment: float, force: float, cells: int = 2) -> tuple[np.ndarray, np.ndarray]:
-    """Pull closed squares by a growing force, with contact between them: total forces and strains along x."""
+def open_closed(closing_moment: float, strain: float, cells: int = 2) -> tuple[np.ndarray, np.ndarray]:
+    """Pull closed squares open by a force, with contact between them: total forces and strains along x."""
     piece, model, edges = square_lattice(0.0, cells, limit=True, closing_moment=closing_moment)
+    length = float(np.ptp(piece.vertices[:, 0]))
     leader, *others = edges["right"]
-    model.add(kg.Tie(others, leader, "x"), kg.NodalLoad(leader, (force, 0)))
-    results = kg.LoadControl(model, step=0.02).run()
-    return results.lam * force, results.u[:, model.index(leader)[0], 0] / float(np.ptp(piece.vertices[:, 0]))
+    model.add(kg.Tie(others, leader, "x"), kg.NodalLoad(leader, (1.0, 0)))
+    # Walked by the displacement: at the threshold the force has a small maximum, as in buckling.
+    results = kg.DisplacementControl(model, to=strain * length, control=(leader, "x"), step=0.002 * length).run()
+    return results.lam, results.u[:, model.index(leader)[0], 0] / length
 
 
 def expected_force(angle: float, along: np.ndarray, cells: int = 2, closing_moment: float = 0.0) -> np.ndarray:
@@ -82,10 +84,13 @@ def main() -> float:
     _, _, stopped, _, _ = stretch(angle=0.3, strain=-0.13, limit=True)
     print(f"squeezed by {-squeezed[-1]:.2f}: force {free[-1]:.2f} through each other, {stopped[-1]:.2f} with contact")
 
-    threshold = float(expected_force(0.0, np.zeros(1), closing_moment=0.2)[0])
-    pulled, opened = open_closed(closing_moment=0.2, force=2 * threshold)
-    below, above = (float(np.interp(part * threshold, pulled, opened)) for part in (0.9, 1.5))
-    print(f"pressed shut, opens at the force {threshold:.2f}: strain {below:.5f} at 0.9 of it, {above:.5f} at 1.5 of it")
+    pulled, opened = open_closed(closing_moment=0.2, strain=0.05)
+    threshold, after = expected_force(0.0, np.array([0.0, opened[-1]]), closing_moment=0.2)
+    shut = float(np.interp(0.8 * threshold, pulled, opened))
+    print(
+        f"pressed shut, rigid squares open at the force {threshold:.3f}: strain {shut:.5f} at 0.8 of it; "
+        f"at strain {opened[-1]:.2f} force {pulled[-1]:.3f}, closed form {after:.3f}"
+    )
     return float(np.abs(force - wanted).max() / np.abs(wanted).max())
 
 
@@ -108,8 +113,8 @@ def pictures() -> None:
     figure, ax = plt.subplots(figsize=(5, 3.4), layout="constrained")
     opening = np.linspace(0, 0.1, 50)
     for moment, color in ((0.0, "#9aa0a6"), (0.1, "#d55e00"), (0.2, "#0072b2")):
-        force, along = open_closed(moment, force=5.0)
-        ax.plot(along, force, ".-", color=color, label=f"closing moment {moment:g} k")
+        force, along = open_closed(moment, strain=0.1)
+        ax.plot(along, force, ".-", ms=4, color=color, label=f"closing moment {moment:g} k")
         ax.plot(opening, expected_force(0.0, opening, closing_moment=moment), "--", color=color, lw=0.8)
     ax.set(xlabel="strain", ylabel="force [k / side]", ylim=(0, None))
     ax.legend(frameon=False, fontsize="small")

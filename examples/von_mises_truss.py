@@ -1,7 +1,8 @@
 """Snap-through of the von Mises truss: two limit points, by displacement control and by arc length.
 
 Two bars of unit EA rise from supports at x = -1 and 1 to an apex at height 1, which is pushed down through to the
-other side. In Green strain, P = 2 EA z (h^2 - z^2) / (2 L^3) at apex height z: the limit load is 2 EA h^3 / (3 sqrt(3) L^3).
+other side. In Green strain, P = 2 EA z (h^2 - z^2) / (2 L^3) at apex height z, L the length of a bar at rest; the
+limit load is 2 EA h^3 / (3 sqrt(3) L^3).
 """
 
 from __future__ import annotations

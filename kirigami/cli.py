@@ -97,7 +97,9 @@ def add_demo(commands: Any) -> None:
     )
     parser.add_argument("--full", action="store_true", help="a mesh of about 7,500 nodes instead of 2,500")
     parser.add_argument("--folder", type=Path, default=Path("demo"), help="where to write (default: %(default)s)")
-    parser.add_argument("--frames", type=_frames, default=40, metavar="N", help="pictures in the animation (default: 40)")
+    parser.add_argument(
+        "--frames", type=_frames, default=40, metavar="N", help="pictures in the animation (default: %(default)s)"
+    )
     parser.add_argument("-q", "--quiet", action="store_true", help="no progress bars and no numbers")
     parser.set_defaults(run=demo)
 
@@ -116,6 +118,7 @@ def demo(options: argparse.Namespace) -> int:
     seconds = time.perf_counter() - solved
 
     force, area = results.reaction(top, "y"), results.open_area(union=True)
+    height = results.position()[-1, :, 2]
     peak = int(force.argmax())
     unknowns = int((~results.constrained).sum())
     stats, last = results.stats, results.lam[-1] * pull
@@ -129,7 +132,7 @@ def demo(options: argparse.Namespace) -> int:
         f"({last / 2.21:.3g} over the 2.21 m between the grips)",
         "peak force": f"{force[peak]:.4g} N at strain {results.lam[peak] * pull / cut_length:.3g}",
         "open area": f"{area[-1]:.4g} m^2, from {area[0]:.2g} m^2 at rest",
-        "height": f"{results.position()[-1, :, 2].max():.3g} m at most, {results.position()[-1, :, 2].min():.3g} m at least",
+        "height": f"{height.min():.3g} m to {height.max():.3g} m",
     }
     say("\n".join(f"  {name:<15} {value}" for name, value in table.items()))
     for event in results.events:

@@ -39,28 +39,67 @@ class Factor(Protocol):
         ...
 
 
+class Solver(Protocol):
+    """A back end: factorises one matrix after another, and may keep what depends on their pattern alone."""
+
+    def factorize(self, matrix: Any) -> Factor: ...
+
+
+class SuperLU:
+    """SciPy's SuperLU; the fill-reducing order is found once for matrices that share their pattern."""
+
+    def __init__(self) -> None:
+        self._pattern: tuple[Any, Any] | None = None
+        self._order: Any = None
+        self._permuted: tuple[Any, Any, Any] | None = None  # entries taken, indices, indptr
+
+    def factorize(self, matrix: Any) -> SuperLUFactor:
+        """Factor a symmetric CSC matrix; raises SingularMatrixError where that is impossible also with pivoting."""
+        if self._pattern is None or matrix.indices is not self._pattern[0] or matrix.indptr is not self._pattern[1]:
+            factor = SuperLUFactor(matrix)
+            if factor.order is not None:
+                self._remember(matrix, factor.order)
+            return factor
+        from scipy.sparse import csc_matrix
+
+        taken, indices, indptr = self._permuted  # type: ignore[misc]
+        permuted = csc_matrix((matrix.data[taken], indices, indptr), shape=matrix.shape)
+        return SuperLUFactor(matrix, permuted, self._order)
+
+    def _remember(self, matrix: Any, order: Any) -> None:
+        """Keep the permutation, and where each entry of the permuted matrix comes from."""
+        from scipy.sparse import csc_matrix
+
+        numbered = csc_matrix((np.arange(1, matrix.nnz + 1), matrix.indices, matrix.indptr), shape=matrix.shape)
+        permuted = numbered[order][:, order].tocsc()
+        permuted.sort_indices()
+        self._pattern = matrix.indices, matrix.indptr
+        self._order = order
+        self._permuted = permuted.data - 1, permuted.indices, permuted.indptr
+
+
 class SuperLUFactor:
-    """Factor by SciPy's SuperLU."""
+    """Factor by SuperLU of a matrix, or of the same matrix brought into a known order."""
 
     backend = "superlu"
 
-    def __init__(self, matrix: Any) -> None:
+    def __init__(self, matrix: Any, permuted: Any = None, order: Any = None) -> None:
         self.matrix = matrix
+        self._order = order
         self._negative: int | None = None
         try:
-            self._lu = self._factorize(matrix)
+            self._lu = self._factorize(matrix) if order is None else self._factorize(permuted, "NATURAL")
         except RuntimeError:
             # A zero on the diagonal need not mean a singular matrix once rows may be exchanged.
+            self._order = None
             self._lu = self._factorize_with_pivoting(matrix)
 
     @staticmethod
-    def _factorize(matrix: Any) -> Any:
+    def _factorize(matrix: Any, ordering: str = "MMD_AT_PLUS_A") -> Any:
         from scipy.sparse.linalg import splu
 
         # relax=1: no artificial supernodes; they only add fill to the small node blocks of these matrices.
-        return splu(
-            matrix, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, relax=1, options={"SymmetricMode": True}
-        )
+        return splu(matrix, permc_spec=ordering, diag_pivot_thresh=0.0, relax=1, options={"SymmetricMode": True})
 
     @staticmethod
     def _factorize_with_pivoting(matrix: Any) -> Any:
@@ -70,6 +109,13 @@ class SuperLUFactor:
             return splu(matrix, permc_spec="COLAMD")
         except RuntimeError as error:
             raise SingularMatrixError(f"the stiffness matrix is singular ({error})") from None
+
+    @property
+    def order(self) -> Any:
+        """The order of elimination found, or None where rows were exchanged."""
+        if not np.array_equal(self._lu.perm_r, self._lu.perm_c):
+            return None
+        return np.argsort(self._lu.perm_c)
 
     @property
     def negative(self) -> int:
@@ -86,38 +132,45 @@ class SuperLUFactor:
             self._negative = int(np.count_nonzero(lu.U.diagonal() < 0))
         return self._negative
 
+    def _apply(self, rhs: Array) -> Array:
+        if self._order is None:
+            return self._lu.solve(rhs)  # type: ignore[no-any-return]
+        solution = np.empty_like(rhs)
+        solution[self._order] = self._lu.solve(rhs[self._order])
+        return solution
+
     def solve(self, rhs: Array) -> Array:
         size = np.linalg.norm(rhs)
         if size == 0:
             return np.zeros_like(rhs)
-        solution = self._lu.solve(rhs)
+        solution = self._apply(rhs)
         error = rhs - self.matrix @ solution
         if np.linalg.norm(error) > REFINE_ABOVE * size:
-            refined = solution + self._lu.solve(error)
+            refined = solution + self._apply(error)
             refined_error = rhs - self.matrix @ refined
             if np.linalg.norm(refined_error) < np.linalg.norm(error):
                 solution, error = refined, refined_error
         if not np.linalg.norm(error) <= PIVOT_ABOVE * size:
             self.negative  # counted before the factor that tells it is replaced  # noqa: B018
+            self._order = None
             self._lu = self._factorize_with_pivoting(self.matrix)
-            solution = self._lu.solve(rhs)
+            solution = self._apply(rhs)
             if not np.linalg.norm(rhs - self.matrix @ solution) <= 1e-3 * size:
                 raise SingularMatrixError("the stiffness matrix is singular to working precision")
         return solution
 
 
-BACKENDS: dict[str, Callable[[Any], Factor]] = {"superlu": SuperLUFactor}
+BACKENDS: dict[str, Callable[[], Solver]] = {"superlu": SuperLU}
 
 
-def factorize(matrix: Any, backend: str = "superlu") -> Factor:
-    """Factor a symmetric CSC matrix.
+def make_solver(backend: str = "superlu") -> Solver:
+    """A fresh solver of the given back end."""
+    return BACKENDS[backend]()
 
-    Raises
-    ------
-    SingularMatrixError
-        The matrix is singular, also with pivoting.
-    """
-    return BACKENDS[backend](matrix)
+
+def factorize(matrix: Any) -> Factor:
+    """Factor one symmetric CSC matrix with the default back end."""
+    return make_solver().factorize(matrix)
 
 
 def smallest_eigenpairs(

@@ -255,7 +255,7 @@ def _dot(ax: Any, tiling: Tiling, size: float) -> float:
     """Area of a spring's dot in points squared: small beside a panel, however many panels there are."""
     panel = np.median([np.ptp(tiling.vertices[polygon], axis=0).max() for polygon in tiling.polygons])
     width = 72 * ax.figure.get_size_inches()[0]
-    return float(np.clip((0.16 * panel / size * width) ** 2, 2.0, 30.0))
+    return float(np.clip((0.1 * panel / size * width) ** 2, 1.5, 24.0))
 
 
 def _axes(ax: Any) -> Any:

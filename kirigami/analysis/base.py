@@ -9,9 +9,8 @@ import numpy as np
 
 from kirigami.errors import ModelError
 from kirigami.kernel import Array
-from kirigami.linalg import Factor, factorize
+from kirigami.linalg import Factor, SingularMatrixError, make_solver
 from kirigami.mechanism import check_floppy
-from kirigami.linalg import SingularMatrixError
 from kirigami.model import Model, require_finite, require_positive
 from kirigami.results import Results, Step
 from kirigami.system import System
@@ -28,6 +27,7 @@ class Analysis:
 
     def _begin(self, linear: bool = False) -> tuple[System, Results]:
         self._started = time.perf_counter()
+        self._solver = make_solver()
         system = System(self.model)
         self.results = Results(system, linear=linear)
         return system, self.results
@@ -43,7 +43,7 @@ class Analysis:
 
     def _factorize(self, system: System, results: Results, matrix: Any) -> Factor:
         with system.clock("factorization"):
-            factor = factorize(matrix)
+            factor = self._solver.factorize(matrix)
         results.stats["factorizations"] += 1
         results.stats["backend"] = factor.backend
         return factor

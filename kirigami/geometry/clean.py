@@ -221,14 +221,17 @@ class _Hull:
         order = np.lexsort([-self.areas, region])
         _, first = np.unique(region[order], return_index=True)
         shapely.prepare(solid)
-        return shapely.contains_xy(solid, self.corners[order[first]].mean(axis=1))[region]
+        is_sheet: NDArray[np.bool_] = shapely.contains_xy(solid, self.corners[order[first]].mean(axis=1))[region]
+        return is_sheet
 
     def _inside_at(self, inside: NDArray[np.bool_]) -> NDArray[np.bool_]:
-        return inside[self.facets] & (self.facets >= 0)
+        both: NDArray[np.bool_] = inside[self.facets] & (self.facets >= 0)
+        return both
 
     def sides(self, inside: NDArray[np.bool_]) -> Integers:
         """Number of sides of each drawn edge that are sheet."""
-        return self._inside_at(inside).sum(axis=1)
+        count: Integers = self._inside_at(inside).sum(axis=1)
+        return count
 
     def directed(self, inside: NDArray[np.bool_]) -> Integers:
         """The drawn edges, those with sheet at one side turned to have it at the left."""

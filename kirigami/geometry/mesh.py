@@ -15,7 +15,13 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from kirigami.errors import GeometryError
-from kirigami.geometry.topology import area_vectors, oriented_triangles, pair_keys, paired_half_edges, sides
+from kirigami.geometry.topology import (
+    area_vectors,
+    oriented_triangles,
+    pair_keys,
+    paired_half_edges,
+    sides,
+)
 
 if TYPE_CHECKING:
     from kirigami.model import Material
@@ -272,7 +278,8 @@ class TriMesh:
             coordinate = self.nodes[:, axis]
             side = coordinate.max() if end else coordinate.min()
             near = np.abs(coordinate[self._outline_nodes] - side) <= SIDE_TOLERANCE * self.size
-            return self._outline_nodes[near]
+            on_side: Integers = self._outline_nodes[near]
+            return on_side
         if name.startswith("cut:") and name[4:].isdecimal():
             loops = [cut.loop for cut in self.cuts if int(name[4:]) in cut.members]
             if loops:

@@ -143,7 +143,7 @@ def _moved_onto_lines(
     which, first = np.unique(point[moving], return_index=True)
     start, end = points[lines[line[moving[first]]]].transpose(1, 0, 2)
     along = np.einsum("ij,ij->i", points[which] - start, end - start) / np.einsum("ij,ij->i", end - start, end - start)
-    moved = points.copy()
+    moved: Floats = points.copy()
     moved[which] = np.round((start + along[:, None] * (end - start)) / GRID) * GRID
     return moved
 

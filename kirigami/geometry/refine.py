@@ -17,8 +17,14 @@ Floats = NDArray[np.float64]
 
 GROWTH = 0.3  # increase of the edge length per distance from a cut
 LONGEST = 1.1  # no edge is longer than this times max_edge
+LONG = 1.08  # longer edges are split
+LATTICE_STEP = 0.92  # of the wanted length, which leaves room for the irregular places
+LEVEL_RATIO = 1.2  # between the steps of the lattices where sizes are graded
+CLEARANCE = 0.75  # of the wanted length, between lattice points and what is there already
+LARGEST_AREA = 2.0  # of a facet, relative to the equilateral one of the wanted length
+FAIR_ANGLE = 30.0  # smoothing makes no angle smaller than this
 MAX_FACETS = 2_000_000
-EQUILATERAL = np.sqrt(3.0) / 4.0
+EQUILATERAL = np.sqrt(3.0) / 4.0  # area of the triangle of side one
 REFINEMENT_ROUNDS = 30
 SMOOTHING_ROUNDS = 6
 NONE = np.empty((0, 3), np.int64)
@@ -35,10 +41,9 @@ class SizeField:
     def __call__(self, points: Floats) -> Floats:
         if not len(self.cut_samples):
             return np.full(len(points), self.max_edge)
-        from scipy.spatial import KDTree
-
-        distance, _ = KDTree(self.cut_samples).query(points)
-        return np.minimum(self.max_edge, self.cut_edge + GROWTH * np.maximum(distance - 0.5 * self.cut_edge, 0.0))
+        distance = _distances(self.cut_samples, points)
+        grown: Floats = self.cut_edge + GROWTH * np.maximum(distance - 0.5 * self.cut_edge, 0.0)
+        return np.minimum(grown, self.max_edge)
 
 
 def triangulate_drawing(drawing: Drawing, max_edge: float, cut_edge: float, min_angle: float) -> Triangulation:
@@ -92,7 +97,7 @@ def triangulate_drawing(drawing: Drawing, max_edge: float, cut_edge: float, min_
         add(edge, _graded_fractions(begin, end, lengths[edge], size))
 
     drawn = Triangulation(np.concatenate(points), NONE, np.concatenate(segments), np.concatenate(labels))
-    start = carve(triangulate(drawn), np.concatenate(boundary))
+    start = _seeded(drawn, size, np.concatenate(boundary))
     limit = int(4 * facets) + 20_000
     made = _refined(start, size, min_angle, limit)
     if len(made.points) - len(start.points) >= limit:
@@ -101,7 +106,7 @@ def triangulate_drawing(drawing: Drawing, max_edge: float, cut_edge: float, min_
             f"more than {limit} nodes are needed where the drawing leaves a very narrow sliver or gap, near "
             f"{drawing.frame.place(centre)}; move the cuts apart, or close it by a larger `snap`"
         )
-    return _smoothed(made, size, min_angle)
+    return _smoothed(made, size)
 
 
 def _expected_facets(drawing: Drawing, is_cut: NDArray[np.bool_], max_edge: float, cut_edge: float) -> float:
@@ -122,18 +127,57 @@ def _graded_fractions(begin: Floats, end: Floats, length: float, size: SizeField
     density = length / size(begin + samples[:, None] * (end - begin))
     pieces_before = np.concatenate([[0.0], np.cumsum(0.5 * (density[1:] + density[:-1]) * np.diff(samples))])
     pieces = _pieces(pieces_before[-1])
-    return np.interp(np.arange(1, pieces) * pieces_before[-1] / pieces, pieces_before, samples)
+    fractions: Floats = np.interp(np.arange(1, pieces) * pieces_before[-1] / pieces, pieces_before, samples)
+    return fractions
+
+
+def _seeded(drawn: Triangulation, size: SizeField, boundary: Integers) -> Triangulation:
+    """Triangulation with points of triangular lattices inside: equilateral facets wherever sizes are equal."""
+    levels = max(1, int(np.ceil(np.log(size.max_edge / size.cut_edge) / np.log(LEVEL_RATIO) - 1e-9)))
+    steps = np.append(size.cut_edge * (size.max_edge / size.cut_edge) ** (np.arange(levels) / levels), size.max_edge)
+    if not len(size.cut_samples):
+        steps = steps[-1:]
+    points = drawn.points
+    low, high = points.min(axis=0), points.max(axis=0)
+    for step, next_step in zip(steps, [*steps[1:], np.inf], strict=True):
+        if np.prod((high - low) / step) > MAX_FACETS:
+            continue  # a fine level for a few places: refinement fills these as well
+        lattice = _lattice(low, high, LATTICE_STEP * step)
+        wanted = size(lattice)
+        lattice = lattice[(wanted > step * (1 - 1e-9)) & (wanted < next_step * (1 - 1e-9))]
+        if len(lattice):
+            points = np.concatenate([points, lattice[_distances(points, lattice) > CLEARANCE * step]])
+    made = carve(triangulate(Triangulation(points, NONE, drawn.segments, drawn.markers)), boundary)
+    used, triangles = np.unique(made.triangles, return_inverse=True)
+    return Triangulation(
+        made.points[used], triangles.reshape(-1, 3), np.searchsorted(used, made.segments), made.markers
+    )
+
+
+def _lattice(low: Floats, high: Floats, step: float) -> Floats:
+    """Points of a triangular lattice over a box."""
+    row_step = np.sqrt(0.75) * step
+    columns, rows = np.ceil((high - low) / (step, row_step)).astype(int) + 1
+    row, column = np.mgrid[0:rows, 0:columns]
+    points: Floats = low + np.column_stack([((column + 0.5 * (row % 2)) * step).ravel(), (row * row_step).ravel()])
+    return points
+
+
+def _distances(points: Floats, queries: Floats) -> Floats:
+    """Distance from each query to the nearest of the points."""
+    from scipy.spatial import KDTree
+
+    distances: Floats = KDTree(points).query(queries)[0]
+    return distances
 
 
 def _refined(start: Triangulation, size: SizeField, min_angle: float, limit: int) -> Triangulation:
     made = triangulate(start, min_angle=min_angle, max_new_points=limit)
     for _ in range(REFINEMENT_ROUNDS):
-        corners = made.points[made.triangles]
         area = signed_areas(made.points, made.triangles)
-        longest = np.linalg.norm(corners - corners[:, [1, 2, 0]], axis=2).max(axis=1)
-        # 1.2 as a mesh refined to a largest area has a mean area well below it
-        largest = 1.2 * EQUILATERAL * size(corners.mean(axis=1)) ** 2
-        largest = np.where(longest > size.max_edge * (1 + 1e-6), np.minimum(largest, 0.6 * area), largest)
+        _, longest = _quality(made.points, made.triangles)
+        largest = LARGEST_AREA * EQUILATERAL * size(made.points[made.triangles].mean(axis=1)) ** 2
+        largest = np.where(longest > LONG * size.max_edge, np.minimum(largest, 0.7 * area), largest)
         left = limit - (len(made.points) - len(start.points))
         if not (area > largest).any() or left <= 0:
             return made
@@ -141,28 +185,26 @@ def _refined(start: Triangulation, size: SizeField, min_angle: float, limit: int
     return made
 
 
-def _smoothed(made: Triangulation, size: SizeField, min_angle: float) -> Triangulation:
+def _smoothed(made: Triangulation, size: SizeField) -> Triangulation:
     """Move free points to where the circumcentres of the facets round them balance, then restore Delaunay.
 
-    This is optimal Delaunay triangulation (Chen and Holst 2011), with facets weighted for graded sizes. A round that does
-    not keep the limits on angles and edges is not taken.
+    This is optimal Delaunay triangulation (Chen and Holst 2011), with facets weighted for graded sizes. It goes on while
+    the mean of the smallest angles grows.
     """
     fixed = np.zeros(len(made.points), bool)
     fixed[made.segments] = True
-    current = best = made
-    best_angles = mean_smallest_angle(made)
-    least = min(min_angle, smallest_angle(made)) - 1.0
     boundary = boundary_pairs(made.triangles)
+    angle, _ = _quality(made.points, made.triangles)
     for _ in range(SMOOTHING_ROUNDS):
-        points = _moved(current, fixed, size)
-        current = carve(triangulate(Triangulation(points, NONE, made.segments, made.markers)), boundary)
-        if len(current.points) != len(points) or len(current.triangles) != len(made.triangles):
-            return best
-        angles, ends = mean_smallest_angle(current), current.points[current.triangles]
-        longest = np.linalg.norm(ends - ends[:, [1, 2, 0]], axis=2).max()
-        if angles > best_angles and smallest_angle(current) >= least and longest <= LONGEST * size.max_edge:
-            best, best_angles = current, angles
-    return best
+        points = _moved(made, fixed, size)
+        moved = carve(triangulate(Triangulation(points, NONE, made.segments, made.markers)), boundary)
+        if len(moved.points) != len(points) or len(moved.triangles) != len(made.triangles):
+            return made
+        new_angle, longest = _quality(moved.points, moved.triangles)
+        if new_angle.mean() <= angle.mean() or longest.max() > LONGEST * size.max_edge:
+            return made
+        made, angle = moved, new_angle
+    return made
 
 
 def _moved(made: Triangulation, fixed: NDArray[np.bool_], size: SizeField) -> Floats:
@@ -171,19 +213,20 @@ def _moved(made: Triangulation, fixed: NDArray[np.bool_], size: SizeField) -> Fl
     centroids = corners.mean(axis=1)
     weights = signed_areas(points, triangles) / size(centroids) ** 3
     total = np.bincount(triangles.ravel(), np.repeat(weights, 3), minlength=len(points))
-    moved = points.copy()
+    moved: Floats = points.copy()
     for axis, centre in enumerate(_circumcentres(corners).T):
         sums = np.bincount(triangles.ravel(), np.repeat(weights * centre, 3), minlength=len(points))
         moved[~fixed, axis] = (sums / np.where(total > 0, total, 1.0))[~fixed]
-    # Points of a facet that would turn over or nearly so go back: the moved triangulation stays a valid one, hence no
-    # two points meet and none leaves the sheet.
-    before = signed_areas(points, triangles)
-    while (turned := signed_areas(moved, triangles) < 0.1 * before).any():
-        back = triangles[turned].ravel()
+    # Points of a facet that would turn over, or become poor, go back: the moved triangulation stays a valid one, hence
+    # no two points meet and none leaves the sheet, and Delaunay flips can only make its smallest angle larger.
+    angle, longest = _quality(points, triangles)
+    while True:
+        new_angle, new_longest = _quality(moved, triangles)
+        poor = (new_angle < np.minimum(angle, FAIR_ANGLE)) | (new_longest > np.maximum(longest, LONG * size.max_edge))
+        back = triangles[poor].ravel()
         if (moved[back] == points[back]).all():
-            return points.copy()
+            return moved
         moved[back] = points[back]
-    return moved
 
 
 def _circumcentres(corners: Floats) -> Floats:
@@ -210,18 +253,10 @@ def signed_areas(points: Floats, triangles: Integers) -> Floats:
     return 0.5 * (one[:, 0] * two[:, 1] - one[:, 1] * two[:, 0])
 
 
-def _angles(made: Triangulation) -> Floats:
-    corners = made.points[made.triangles]
+def _quality(points: Floats, triangles: Integers) -> tuple[Floats, Floats]:
+    """Smallest angle in degrees, negative if the triangle is clockwise, and longest edge of each triangle."""
+    corners = points[triangles]
     sides = corners[:, [1, 2, 0]] - corners
     cosines = -np.einsum("mcx,mcx->mc", sides, np.roll(sides, 1, axis=1))
-    return np.degrees(np.arctan2(2.0 * signed_areas(made.points, made.triangles)[:, None], cosines))
-
-
-def smallest_angle(made: Triangulation) -> float:
-    """Smallest angle in degrees."""
-    return float(_angles(made).min())
-
-
-def mean_smallest_angle(made: Triangulation) -> float:
-    """Mean over the triangles of their smallest angle in degrees: 60 for equilateral ones."""
-    return float(_angles(made).min(axis=1).mean())
+    angles = np.degrees(np.arctan2(2.0 * signed_areas(points, triangles)[:, None], cosines))
+    return angles.min(axis=1), np.linalg.norm(sides, axis=2).max(axis=1)

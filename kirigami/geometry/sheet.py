@@ -56,7 +56,7 @@ class Sheet:
     >>> sheet
     Sheet(2 x 1, area 2, 1 slit, 0 openings)
     >>> mesh = sheet.mesh(max_edge=0.1)
-    >>> len(mesh.cuts), round(mesh.facet_areas.sum(), 10)
+    >>> len(mesh.cuts), round(float(mesh.facet_areas.sum()), 10)
     (1, 2.0)
     """
 

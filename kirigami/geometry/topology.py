@@ -13,7 +13,8 @@ Floats = NDArray[np.float64]
 
 def pair_keys(pairs: Integers, count: int) -> Integers:
     """One integer per unordered pair of nodes."""
-    return pairs.min(axis=1) * count + pairs.max(axis=1)
+    keys: Integers = pairs.min(axis=1) * count + pairs.max(axis=1)
+    return keys
 
 
 def paired_half_edges(triangles: Integers) -> tuple[Integers, Integers]:
@@ -53,7 +54,7 @@ def area_vectors(nodes: Floats, triangles: Integers) -> Floats:
 
 def oriented_triangles(nodes: Floats, triangles: Integers) -> Integers:
     """Facets turned so that neighbours agree and the sheet as a whole faces +z."""
-    oriented = triangles.copy()
+    oriented: Integers = triangles.copy()
     if np.ptp(nodes[:, 2]) == 0.0:
         _flip(oriented, area_vectors(nodes, oriented)[:, 2] < 0)
     else:
@@ -95,7 +96,8 @@ def _flips_of_a_surface(nodes: Floats, triangles: Integers) -> NDArray[np.bool_]
     facing = np.bincount(state, weights=np.concatenate([upward, -upward]))
     kept, turned = facing[state[:count]], facing[state[count:]]
     level = np.abs(kept - turned) <= 1e-12 * np.abs(upward).sum()  # a closed or upright part: keep its first facet
-    return np.where(level, state[:count] > state[count:], turned > kept)
+    flips: NDArray[np.bool_] = np.where(level, state[:count] > state[count:], turned > kept)
+    return flips
 
 
 def _flip(triangles: Integers, which: NDArray[np.bool_]) -> None:

@@ -134,4 +134,5 @@ def regions(triangles: Integers, barriers: Integers, among: NDArray[np.bool_] | 
         left, right = left[both], right[both]
     shape = (len(triangles), len(triangles))
     graph = coo_array((np.ones(len(left), np.int8), (left, right)), shape=shape)
-    return connected_components(graph, directed=False)[1].astype(np.int64)
+    region: Integers = connected_components(graph, directed=False)[1].astype(np.int64)
+    return region

@@ -75,7 +75,7 @@ def plot_curve(
     """
     across, across_label = _abscissa(results, x, "plot_curve")
     if nodes is None and isinstance(x, str):
-        raise ModelError("plot_curve: give nodes whose reaction is drawn, or x=(node, axis) to draw the load factor over")
+        raise ModelError("plot_curve: give nodes whose reaction is drawn, or x=(node, axis) for the load factor")
     up = results.lam if nodes is None else results.reaction(nodes, axis)
     firm = np.array([step.negative in (None, 0) for step in results.steps])
     ax = style.new_axes((4.4, 3.2)) if ax is None else ax
@@ -95,9 +95,9 @@ def plot_curve(
         ax.plot(across[begin:end], up[begin:end], color=color, linewidth=1.5, linestyle=line, label=names[stable])
         names[stable] = None
     if located:
-        look = {"markersize": 6.0, "markerfacecolor": "white", "markeredgecolor": style.VERMILION, "markeredgewidth": 1.4}
+        rim = {"markeredgecolor": style.VERMILION, "markeredgewidth": 1.4, "markerfacecolor": "white"}
         name = None if label else "limit point"
-        ax.plot(across[after], up[after], linestyle="none", marker="o", zorder=3, label=name, **look)
+        ax.plot(across[after], up[after], linestyle="none", marker="o", markersize=6, zorder=3, label=name, **rim)
     ax.set_xlabel(across_label)
     ax.set_ylabel("load factor" if nodes is None else f"reaction along {axis}")
     if ax.get_legend_handles_labels()[0]:
@@ -195,7 +195,7 @@ def _abscissa(results: Results, x: Any, owner: str) -> tuple[Floats, str]:
 
 
 def _limit_points(results: Results) -> tuple[Results, NDArray[np.int64]]:
-    """Located limit points as results of their own, so that reactions can be asked for there, and the step after each."""
+    """Located limit points as results of their own, which know their reactions, and the step after each."""
     from kirigami.results import Step
 
     points = copy.copy(results)

@@ -1,4 +1,4 @@
-"""The look of all pictures: a few colour-blind safe colours (Okabe and Ito), thin lines, and no frame that says nothing."""
+"""The look of all pictures: a few colour-blind safe colours (Okabe and Ito), thin lines, no idle frames."""
 
 from __future__ import annotations
 
@@ -86,8 +86,8 @@ def new_solid_axes(
     centre = np.array([width / 2, below + (total[1] - below) / 2]) - 0.0135 * side  # their origin is off the middle
     ax = figure.add_axes([*(centre - side / 2) / total, *side / total], projection="3d")
     tall = min(0.75 * total[1], 2.6)
-    cax = figure.add_axes([*np.array([width, (total[1] - tall) / 2]) / total, *np.array([0.11, tall]) / total]) if bar else None
-    return ax, cax
+    corner, extent = np.array([width, (total[1] - tall) / 2]), np.array([0.11, tall])
+    return ax, figure.add_axes([*corner / total, *extent / total]) if bar else None
 
 
 def _new_figure(size: tuple[float, float], managed: bool, layout: Any = None) -> Any:

@@ -269,7 +269,8 @@ class _Sketch:
         self._arrows(forces, style.BLUE, "load")
 
     def _facets(self, corners: Floats, color: Any, label: str | None = None, alpha: float = 1.0) -> None:
-        options: dict[str, Any] = {"facecolors": color, "edgecolors": color if alpha == 1.0 else "none", "linewidths": 0.3, "label": label}
+        rims = color if alpha == 1.0 else "none"  # closes the seams between facets; would show where one sees through
+        options: dict[str, Any] = {"facecolors": color, "edgecolors": rims, "linewidths": 0.3, "label": label}
         if self.solid:
             from mpl_toolkits.mplot3d.art3d import Poly3DCollection
 
@@ -343,8 +344,9 @@ class _Sketch:
             options = {"angles": "xy", "scale_units": "xy", "scale": 1.0, "width": 0.006, "zorder": 4}
             self.ax.quiver(*tail[:, :2].T, *vector[:, :2].T, color=color, **options)
         if label:  # matplotlib would show a box for an arrow
-            empty: list[list[float]] = [[]] * self.axes
-            self.ax.plot(*empty, color=color, marker=r"$\rightarrow$", markersize=11, linestyle="none", label=self._new(label))
+            empty: Any = [[]] * self.axes
+            look = {"marker": r"$\rightarrow$", "markersize": 11, "linestyle": "none"}
+            self.ax.plot(*empty, color=color, label=self._new(label), **look)
 
     def frame(self, looking: style.View) -> None:
         """Limits that hold everything drawn."""

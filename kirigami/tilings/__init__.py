@@ -9,6 +9,7 @@ Tiling of 24 panels with 38 joints
 from __future__ import annotations
 
 from kirigami.tilings.families import critical_angles, kagome, rotating_squares, rotating_triangles, square_rhombus
+from kirigami.tilings.ligaments import Neck, ligament_sheet, panels_of_sheet
 from kirigami.tilings.panel import Ligament
 from kirigami.tilings.polygons import from_polygons
 from kirigami.tilings.tiling import Gap, Tiling
@@ -16,10 +17,13 @@ from kirigami.tilings.tiling import Gap, Tiling
 __all__ = [
     "Gap",
     "Ligament",
+    "Neck",
     "Tiling",
     "critical_angles",
     "from_polygons",
     "kagome",
+    "ligament_sheet",
+    "panels_of_sheet",
     "rotating_squares",
     "rotating_triangles",
     "square_rhombus",

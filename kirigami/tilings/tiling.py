@@ -284,7 +284,7 @@ class Tiling:
     def model(
         self,
         EA: float,
-        stiffness: float | Ligament,
+        stiffness: ArrayLike | Ligament,
         *,
         springs: str = "one",
         bracing: str = "crossed",
@@ -298,8 +298,8 @@ class Tiling:
         ----------
         EA : float
             Axial stiffness of every bar [force]. Panels count as rigid where EA L is far above the joint stiffness.
-        stiffness : float or Ligament
-            Angle stiffness of a joint [force length / rad].
+        stiffness : float, Ligament or array_like, shape (joints,)
+            Angle stiffness of all joints, or of each in the order of `joints` [force length / rad].
         springs : {"one", "both"}
             A joint of two panels has one spring in its wider gap, or springs of half the stiffness in both gaps; with
             rigid panels the two are the same. Joints of more panels have one full spring in every gap.
@@ -330,8 +330,10 @@ class Tiling:
 
         if springs not in ("one", "both"):
             raise ModelError(f"springs {springs!r} is unknown: use 'one' or 'both'")
-        joint_stiffness = stiffness.stiffness if isinstance(stiffness, Ligament) else stiffness
-        joint_stiffness = require_positive(joint_stiffness, "stiffness", "Tiling.model")
+        given = stiffness.stiffness if isinstance(stiffness, Ligament) else np.asarray(stiffness, dtype=float)
+        if np.shape(given) not in ((), (len(self.joints),)):
+            raise ModelError(f"Tiling.model: stiffness must be one number or one for each of the {len(self.joints)} joints")
+        by_joint_stiffness = np.broadcast_to(given, len(self.joints)).tolist()
         closing_moment = require_finite(closing_moment, "closing_moment", "Tiling.model")
         model = Model(dim=2, name=name)
         nodes = [Node(x, y) for x, y in self.vertices.tolist()]
@@ -340,14 +342,15 @@ class Tiling:
         by_joint: dict[int, list[Gap]] = {}
         for gap in self.gaps:
             by_joint.setdefault(gap.joint, []).append(gap)
-        for gaps in by_joint.values():
+        for joint, gaps in by_joint.items():
+            moment_per_turn = require_positive(by_joint_stiffness[joint], f"stiffness of joint {joint}", "Tiling.model")
             pair = len(self._meetings[gaps[0].pivot]) == 2
             gaps = sorted(gaps, key=lambda gap: -round(gap.angle, 9))
             share = 2 if pair and springs == "both" and len(gaps) == 2 else 1
             for rank, gap in enumerate(gaps[:share] if pair else gaps):
-                push = closing_moment / joint_stiffness * (1 - 2 * rank) if pair else 0.0
+                push = closing_moment / moment_per_turn * (1 - 2 * rank) if pair else 0.0
                 model.add(TorsionSpring3(
-                    nodes[gap.left], nodes[gap.pivot], nodes[gap.right], joint_stiffness / share,
+                    nodes[gap.left], nodes[gap.pivot], nodes[gap.right], moment_per_turn / share,
                     rest_angle=gap.angle + push if push else None,
                 ))  # fmt: skip
         return model
