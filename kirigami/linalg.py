@@ -53,8 +53,10 @@ class SuperLU:
         self._order: Any = None
         self._permuted: tuple[Any, Any, Any] | None = None  # entries taken, indices, indptr
 
-    def factorize(self, matrix: Any) -> SuperLUFactor:
+    def factorize(self, matrix: Any) -> Factor:
         """Factor a symmetric CSC matrix; raises SingularMatrixError where that is impossible also with pivoting."""
+        if matrix.shape[0] == 0:
+            return NothingToSolve()
         if self._pattern is None or matrix.indices is not self._pattern[0] or matrix.indptr is not self._pattern[1]:
             factor = SuperLUFactor(matrix)
             if factor.order is not None:
@@ -76,6 +78,16 @@ class SuperLU:
         self._pattern = matrix.indices, matrix.indptr
         self._order = order
         self._permuted = permuted.data - 1, permuted.indices, permuted.indptr
+
+
+class NothingToSolve:
+    """Factor of a matrix without rows: every displacement is prescribed."""
+
+    backend = "superlu"
+    negative = 0
+
+    def solve(self, rhs: Array) -> Array:
+        return np.zeros_like(rhs)
 
 
 class SuperLUFactor:

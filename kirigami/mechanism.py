@@ -44,9 +44,9 @@ def connected_parts(system: System) -> list[Array]:
         for other in range(1, kernel.conn.shape[1]):
             first.append(kernel.conn[:, 0])
             second.append(kernel.conn[:, other])
-    tied = np.flatnonzero((system.unknown >= 0) & (system.heads[system.unknown] != np.arange(system.unknown.size)))
+    tied = np.flatnonzero((system.unknown >= 0) & (system.leader != np.arange(system.leader.size)))
     first.append(tied // system.dim)
-    second.append(system.heads[system.unknown[tied]] // system.dim)
+    second.append(system.leader[tied] // system.dim)
     rows, columns = np.concatenate(first), np.concatenate(second)
     graph = coo_matrix((np.ones(len(rows)), (rows, columns)), shape=(n, n))
     count, label = connected_components(graph, directed=False)
@@ -65,7 +65,7 @@ def free_rigid_motions(system: System) -> tuple[str, list[int], str] | None:
         full[:, at] = motions
         allowed = np.zeros_like(full)
         moving = system.unknown >= 0
-        allowed[:, moving] = full[:, system.heads[system.unknown[moving]]]
+        allowed[:, moving] = full[:, system.leader[moving]]
         _, sizes, basis = np.linalg.svd(motions, full_matrices=False)
         rank = int(np.sum(sizes > 1e-9 * sizes[0])) if sizes[0] > 0 else 0
         # Coordinates in an orthonormal basis of the part's true motions (a straight chain has no spin of its own).
@@ -118,6 +118,8 @@ def check_floppy(system: System, matrix: Any, factor: Factor | None) -> None:
 
     `factor` is the factorised `matrix`, or None if it could not be factorised.
     """
+    if matrix.shape[0] == 0:
+        return
     if factor is None or not _factor_is_sound(matrix, factor):
         from scipy.sparse import identity
 

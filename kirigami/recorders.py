@@ -24,7 +24,7 @@ class ProgressBar:
             from tqdm.auto import tqdm
         except ImportError:
             return
-        layout = "{desc}: {percentage:3.0f}%|{bar}| {elapsed}<{remaining}, {postfix}"
+        layout = "{desc}: {percentage:3.0f}%|{bar}| {elapsed}<{remaining}{postfix}"
         if share is None:
             self._bar = tqdm(desc=self.title, unit=" steps")
         else:

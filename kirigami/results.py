@@ -5,6 +5,8 @@ from __future__ import annotations
 import importlib
 import json
 import os
+import zipfile
+import zlib
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -233,10 +235,10 @@ class Results:
             at_rest = Configuration(self.rest[:, : self.dim], np.zeros((len(self.rest), self.dim)))
             initial: Array = kernel.deformation(at_rest)
             return initial + kernel.deformation_rate(at_rest, step.u[:, : self.dim])
-        return self._at(kernel, step, lambda x: kernel.deformation(x))
+        return self.evaluate_at(kernel, step, lambda x: kernel.deformation(x))
 
-    def _at(self, kernel: Kernel, step: Step, evaluate: Any) -> Any:
-        """Evaluate with the history of the step, and leave the kernel's own untouched."""
+    def evaluate_at(self, kernel: Kernel, step: Step, evaluate: Any) -> Any:
+        """``evaluate(configuration)`` with the history a kernel had at a step; the kernel's own is left untouched."""
         before = kernel.history
         position = next((k for k, other in enumerate(self.kernels) if other is kernel), -1)
         if before is not None and 0 <= position < len(step.history) and step.history[position] is not None:
@@ -267,7 +269,7 @@ class Results:
                         block = full_hessian(kernel, at_start)
                         gradient = gradient + np.einsum("nklab,nlb->nka", block, step.u[kernel.conn][..., : self.dim])
                 else:
-                    gradient = self._at(kernel, step, lambda x: kernel.evaluate(x, step.lam, 1)).gradient  # noqa: B023
+                    gradient = self.evaluate_at(kernel, step, lambda x: kernel.evaluate(x, step.lam, 1)).gradient  # noqa: B023
                 scatter_add(target, kernel.conn, gradient)
             field_[:, : self.dim] = target
         return total
@@ -310,7 +312,7 @@ class Results:
                 values = [self._linear_energy(kernel, step) for step in self.steps]
             else:
                 values = [
-                    float(self._at(kernel, step, lambda x: kernel.evaluate(x, step.lam, 0)).energy.sum())  # noqa: B023
+                    float(self.evaluate_at(kernel, step, lambda x: kernel.evaluate(x, step.lam, 0)).energy.sum())  # noqa: B023
                     for step in self.steps
                 ]
             totals[kernel.name] = totals.get(kernel.name, np.zeros(len(self.steps))) + np.array(values)
@@ -531,10 +533,8 @@ def load(path: str | os.PathLike[str]) -> Results:
         version = head["format"]
     except FileNotFoundError:
         raise AnalysisError(f"no results file at {path}") from None
-    except (OSError, ValueError, KeyError, EOFError, TypeError) as error:
+    except (OSError, ValueError, KeyError, EOFError, TypeError, zipfile.BadZipFile, zlib.error) as error:
         raise AnalysisError(f"{path} is not a results file of this package, or it is damaged ({error})") from None
-    except Exception as error:  # zipfile.BadZipFile and zlib.error, without importing either for it
-        raise AnalysisError(f"{path} is damaged ({error})") from None
     if version != FORMAT:
         raise AnalysisError(f"{path} has file format {version}, this version of kirigami reads format {FORMAT}")
     try:

@@ -147,6 +147,7 @@ class System:
         unknown[heads] = np.arange(heads.size)
         self.unknown: Index = np.where(fixed, -1, unknown[leader])  # unknown of each displacement, -1 where known
         self.heads = heads
+        self.leader = leader  # the displacement that each one follows, itself where it is not tied
         self.free = int(heads.size)
         self.drive = drive
         self.held = held
@@ -176,7 +177,8 @@ class System:
         moving = np.zeros(self.free, dtype=bool)
         unknown = self.unknown.reshape(self.rest.shape)
         moving[unknown[touched][unknown[touched] >= 0]] = True
-        loose = np.flatnonzero(np.any((unknown >= 0) & ~moving[unknown], axis=1))
+        still = np.append(~moving, False)  # the last entry answers for known displacements, index -1
+        loose = np.flatnonzero(np.any(still[unknown], axis=1))
         if loose.size:
             node = numbering.model.nodes[int(loose[0])]
             raise ModelError(

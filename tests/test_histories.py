@@ -196,3 +196,13 @@ def test_summary_explains_the_cost():
     assert {"bars", "hinges", "assembly", "factorization", "solve", "total"} <= set(parts)
     assert sum(v for k, v in parts.items() if k != "total") <= parts["total"]
     assert "superlu" in res.summary() and "factorizations" in res.summary()
+
+
+def test_a_model_without_free_displacements_still_answers():
+    mesh = kg.TriMesh([(0, 0), (1, 0), (1, 1), (0, 1)], [(0, 1, 2), (0, 2, 3)])
+    m = kg.Model.from_mesh(mesh, thickness=0.01, material=kg.Material(E=1e3))
+    left, right = m.select(boundary="left"), m.select(boundary="right")
+    m.add(kg.Fix(left), kg.Fix(right, "yz"), kg.Prescribe(right, x=0.1))
+    for res in (kg.LinearStatic(m).run(), kg.DisplacementControl(m).run()):
+        np.testing.assert_allclose(res.reaction(left, "x")[-1], -res.reaction(right, "x")[-1], rtol=1e-12)
+        assert res.reaction(right, "x")[-1] > 0.5

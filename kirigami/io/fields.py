@@ -106,7 +106,7 @@ def energy_density(results: Results) -> Array:
 
 def _element_energy(results: Results, kernel: Kernel, step: Step) -> Array:
     if not results.linear:
-        energy: Array = results._at(kernel, step, lambda x: kernel.evaluate(x, step.lam, 0)).energy
+        energy: Array = results.evaluate_at(kernel, step, lambda x: kernel.evaluate(x, step.lam, 0)).energy
         return energy
     rest = results.rest[:, : results.dim]
     start = kernel.evaluate(Configuration(rest, np.zeros_like(rest)), step.lam, 2)

@@ -44,7 +44,8 @@ def panels_of_sheet(sheet: Sheet | shapely.Polygon, neck: float) -> tuple[Tiling
         The panels.
     list of Neck
         The ligaments, in the order of the tiling's joints; a slender one has the stiffness
-        ``Ligament(E, thickness, neck.width, neck.length).stiffness``.
+        ``Ligament(E, thickness, neck.width, neck.length).stiffness``. Between the tips of slits a ligament has no
+        length to speak of: measure or compute the stiffness of such a joint.
 
     Raises
     ------
@@ -69,15 +70,21 @@ def panels_of_sheet(sheet: Sheet | shapely.Polygon, neck: float) -> tuple[Tiling
     panels = [core.buffer(neck / 2, join_style="mitre", mitre_limit=4.0).intersection(region) for core in cores]
     rounded = [core.buffer(neck / 2, quad_segs=32).intersection(region) for core in cores]
     touch = 1e-6 * neck
-    joints: list[tuple[list[int], Neck]] = []
+    between: dict[tuple[int, ...], list[Any]] = {}
     for piece in _parts(region.difference(shapely.union_all(rounded))):
-        near = [k for k, panel in enumerate(rounded) if panel.distance(piece) <= touch]
+        near = tuple(k for k, panel in enumerate(rounded) if panel.distance(piece) <= touch)
         if len(near) > 2:
             raise GeometryError(
                 f"panels_of_sheet: the ligament around {place_of(piece.centroid.coords[0])} joins {len(near)} panels"
             )
         if len(near) == 2:  # else it is a corner that growing back did not fill
-            joints.append((near, _neck(region, [rounded[k].intersection(piece.buffer(touch)) for k in near], neck)))
+            between.setdefault(near, []).append(piece)
+    joints: list[tuple[tuple[int, ...], Neck]] = []
+    for near, pieces in between.items():
+        # The two panels of a very short ligament meet in its middle and leave two pieces of it.
+        for group in _parts(shapely.union_all([piece.buffer(neck / 3) for piece in pieces])):
+            own = shapely.union_all([piece for piece in pieces if piece.intersects(group)])
+            joints.append((near, _neck(region, [rounded[k].intersection(own.buffer(touch)) for k in near], neck)))
     places = np.array([found.place for _, found in joints]).reshape(-1, 2)
     outlines = [
         _outline(max(_parts(panel), key=lambda part: part.area), places[[k in near for near, _ in joints]], neck)

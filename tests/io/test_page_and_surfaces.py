@@ -1,0 +1,129 @@
+"""The page in a browser and the surfaces in other programs show the sheet that was computed."""
+
+from __future__ import annotations
+
+import base64
+import json
+import re
+import shutil
+import subprocess
+import zlib
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import kirigami as kg
+from kirigami.io.fields import facet_strain
+from kirigami.io.surface import write_surface
+from kirigami.io.table import curves
+
+pytest.importorskip("plotly")
+from kirigami.io.html import to_html  # noqa: E402
+
+
+def contents(page: str) -> tuple[dict, bytes]:
+    head, body = (re.search(rf'id="{name}">([^<]*)</script>', page)[1] for name in ("head", "body"))
+    return json.loads(head), zlib.decompress(base64.b64decode(body))
+
+
+def test_page_holds_positions_curves_and_colours(strip: kg.Results, tmp_path: Path) -> None:
+    """Read back as the page's own script does: byte planes of differences from step to step."""
+    page = to_html(strip, tmp_path / "strip.html").read_text(encoding="utf-8")
+    head, body = contents(page)
+    frames, nodes, facets = len(strip), len(strip.rest), len(strip.mesh.triangles)
+    count = 3 * nodes * frames
+    data = np.frombuffer(body, np.uint8)
+    change = (data[:count].astype(np.uint16) | data[count : 2 * count].astype(np.uint16) << 8).reshape(frames, 3, nodes)
+    levels = np.cumsum(change, axis=0, dtype=np.uint16).transpose(0, 2, 1)
+    extent = np.array(head["extent"])
+    positions = head["low"] + levels / 65535 * extent
+    assert np.abs(positions - strip.position()).max() <= 0.51 / 65535 * extent.max()
+    planes = data[2 * count : 2 * count + 12 * facets].reshape(4, -1).astype(np.int64)
+    assert np.array_equal(planes.T @ [1, 256, 65536, 2**24], strip.mesh.triangles.ravel())
+    at = 2 * count + 12 * facets + 8 * head["lines"]
+    shades = np.cumsum(data[at : at + frames * facets].reshape(frames, facets), axis=0, dtype=np.uint8)
+    field = head["fields"]["strain"]
+    strain = field["low"] + shades / 255 * (field["high"] - field["low"])
+    exact = np.clip(facet_strain(strip), field["low"], field["high"])
+    assert np.abs(strain - exact).max() <= 0.51 / 255 * (field["high"] - field["low"])
+    assert at + frames * (facets + nodes) == len(data)
+    assert head["curves"]["reaction driven 0 z"] == curves(strip)["reaction_driven_0_z"].tolist()
+
+
+def test_page_stands_alone_and_escapes_its_title(strip: kg.Results, tmp_path: Path) -> None:
+    page = to_html(strip, tmp_path / "strip.html", title="</script><b>&", frames=2).read_text(encoding="utf-8")
+    assert "%%" not in page and "</script><b>" not in page
+    assert not re.search(r"(src|href)\s*=|https?://|import\(|fetch\(", page)
+    head, _ = contents(page)
+    assert head["shown"] == [0, len(strip) - 1] and head["title"] == "</script><b>&"
+
+
+def test_page_of_a_large_result_stays_below_ten_megabytes(tmp_path: Path) -> None:
+    """10,000 nodes and 50 steps, with noise in all displacements, which hardly packs."""
+    side = 100
+    x, y = (part.ravel() for part in np.meshgrid(np.linspace(0, 1, side), np.linspace(0, 1, side)))
+    corner = (np.arange(side - 1)[:, None] * side + np.arange(side - 1)).ravel()
+    facets = np.concatenate([corner[:, None] + [0, 1, side + 1], corner[:, None] + [0, side + 1, side]])
+    m = kg.Model.from_mesh(kg.TriMesh(np.column_stack([x, y]), facets), 0.01, kg.Material(E=1e9))
+    results = kg.Results(kg.System(m))
+    noise = np.random.default_rng(0)
+    for lam in np.linspace(0, 1, 50):
+        lift = 0.2 * lam * np.sin(9 * x + 3 * lam) * np.sin(7 * y)
+        smooth = np.column_stack([-0.05 * lam * x, 0.3 * lam * y, lift])
+        results.append(kg.Step.at(m, lam, smooth + 1e-4 * noise.normal(size=(side**2, 3))))
+    assert to_html(results, tmp_path / "large.html").stat().st_size < 10e6
+
+
+def test_bad_arguments_of_the_page(strip: kg.Results, tmp_path: Path) -> None:
+    with pytest.raises(kg.ModelError, match="frames must be 2"):
+        to_html(strip, tmp_path / "x.html", frames=1)
+    with pytest.raises(kg.AnalysisError, match="no steps"):
+        to_html(kg.Results(kg.System(strip.model)), tmp_path / "x.html")
+    assert not list(tmp_path.iterdir())
+
+
+BROWSER = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
+
+
+@pytest.mark.external
+@pytest.mark.skipif(BROWSER is None, reason="no Chromium (Debian: chromium)")
+@pytest.mark.parametrize("case", ["strip", "truss"])
+def test_page_in_a_browser(case: str, tmp_path: Path, request: pytest.FixtureRequest) -> None:
+    """The page says what it shows, and the picture holds a coloured sheet; without a network."""
+    results = request.getfixturevalue(case)
+    page = to_html(results, tmp_path / "page.html")
+    options = ["--headless=new", "--no-sandbox", "--disable-gpu", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"]
+    options += ["--window-size=1200,800", "--virtual-time-budget=15000", "--host-resolver-rules=MAP * ~NOTFOUND"]
+    address = f"{page.as_uri()}?frame=1"
+    run = subprocess.run([BROWSER, *options, "--dump-dom", address], capture_output=True, text=True, timeout=120)
+    assert 'data-ready="yes"' in run.stdout
+    assert f"step 1 of {len(results) - 1}, load factor {results.lam[1]:.5g}" in run.stdout
+    picture = tmp_path / "page.png"
+    subprocess.run([BROWSER, *options, f"--screenshot={picture}", address], capture_output=True, timeout=120, check=True)
+    image = pytest.importorskip("matplotlib.image").imread(picture)[100:600, :640, :3]
+    colored = np.ptp(image, axis=2) > 0.15
+    assert colored.mean() > (0.02 if case == "strip" else 0.002)
+
+
+# ------------------------------------------------------------------------------------------- surfaces
+
+
+@pytest.mark.parametrize("ending, near", [(".stl", 1e-6), (".obj", 1e-9), (".ply", 1e-6), (".glb", 1e-6), (".gltf", 1e-6)])
+def test_surfaces_are_read_back(ending: str, near: float, strip: kg.Results, tmp_path: Path) -> None:
+    trimesh = pytest.importorskip("trimesh")
+    path = write_surface(strip, tmp_path / f"strip{ending}")
+    read = trimesh.load(path, force="mesh", process=False)
+    facets = strip.position()[-1][strip.mesh.triangles]
+    assert read.triangles == pytest.approx(facets, abs=near * 4)
+    assert list(tmp_path.iterdir()) == [path]
+
+
+def test_surfaces_that_cannot_be_written(strip: kg.Results, truss: kg.Results, tmp_path: Path) -> None:
+    with pytest.raises(kg.ModelError, match=r"not 'x\.step'"):
+        write_surface(strip, tmp_path / "x.step")
+    with pytest.raises(kg.AnalysisError, match="from_mesh"):
+        write_surface(truss, tmp_path / "x.stl")
+    with pytest.raises(kg.AnalysisError, match="no step 99"):
+        write_surface(strip, tmp_path / "x.stl", step=99)
+    assert not list(tmp_path.iterdir())
