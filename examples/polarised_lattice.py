@@ -38,7 +38,8 @@ def lattice(angle: float, columns: int, rows: int, clean: bool = True) -> tuple[
     row, up = cell.lattice
     ends = [np.zeros(2), rows * up] if clean else [cell.points[2], cell.points[2] + rows * up]
     bottom, top = (
-        [int(np.argmin(np.linalg.norm(piece.vertices - start - a * row, axis=1))) for a in range(columns)] for start in ends
+        [int(np.argmin(np.linalg.norm(piece.vertices - start - a * row, axis=1))) for a in range(columns)]
+        for start in ends
     )
     return piece, bottom, top
 
@@ -99,7 +100,8 @@ def main(angles: Sequence[float] = ANGLES) -> float:
         toward = polarization(Framework.from_tiling(tilings.kagome(angle))) + 0.0
         small, large = contrast(angle, 15, 10), contrast(angle, 30, 16)
         together, loose = contrast(angle, 15, 10, uniform=True), contrast(angle, 15, 10, clean=False)
-        print(f"{angle:5.2f}  ({toward[0]:4.1f},{toward[1]:4.1f}) {small:9.2f} {large:7.2f} {together:12.2f} {loose:16.2f}")
+        toward_text = f"({toward[0]:4.1f},{toward[1]:4.1f})"
+        print(f"{angle:5.2f}  {toward_text} {small:9.2f} {large:7.2f} {together:12.2f} {loose:16.2f}")
         if angle == min(angles, key=lambda other: abs(other - 1.92)):
             growth = large / small
     forces = push_forces(1.92, 15, 10, [0.001, 0.1, 0.5])
@@ -113,10 +115,10 @@ def main(angles: Sequence[float] = ANGLES) -> float:
 
 
 def pictures() -> None:
-    """The hard and the soft edge pushed at one hinge, and the stiffness of both edges over the twist."""
+    """Hard and soft edge pushed at one hinge, the stiffness of both edges over the twist, and the twist itself."""
     import matplotlib.pyplot as plt
 
-    from kirigami.plot_lattice import plot_tiling
+    from kirigami.plot_lattice import animate_path, plot_tiling
 
     figure, axes = plt.subplots(2, 1, figsize=(6.5, 6.2), layout="constrained")
     piece, bottom, top = lattice(1.92, 15, 10)
@@ -145,6 +147,10 @@ def pictures() -> None:
     ax.legend(fontsize="small", frameon=False)
     figure.savefig("polarised_lattice_sweep.png", dpi=150)
     plt.close(figure)
+
+    start = tilings.kagome(1.08).patch(6, 5)
+    twist = [tilings.kagome(angle).patch(6, 5).vertices - start.vertices for angle in np.linspace(1.08, 2.40, 30)]
+    animate_path(start, twist, "polarised_lattice_twist.gif", frames=30)
 
 
 if __name__ == "__main__":

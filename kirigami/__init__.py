@@ -46,13 +46,14 @@ _HOME = {
     "ConvergenceError": "errors",
     "KirigamiWarning": "errors",
 }
-_MODULES = {"cuts": "geometry.cuts", "stiffness": "stiffness", "plot": "plot"}
+_MODULES = {"cuts": "geometry.cuts", "stiffness": "stiffness", "plot": "plot", "tilings": "tilings"}
 
 __all__ = ["__version__", *_HOME, *_MODULES]
 
 if TYPE_CHECKING:
     from kirigami import plot as plot
     from kirigami import stiffness as stiffness
+    from kirigami import tilings as tilings
     from kirigami.analysis.eigen import Eigen as Eigen
     from kirigami.analysis.eigen import Mode as Mode
     from kirigami.analysis.linear import LinearStatic as LinearStatic

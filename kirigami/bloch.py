@@ -165,7 +165,9 @@ def winding_numbers(framework: Framework, at: float = 1.0) -> tuple[int, ...]:
     return tuple(numbers)
 
 
-def _turn(phase: Callable[[float], complex], start: float, end: float, first: complex, last: complex, depth: int) -> float:
+def _turn(
+    phase: Callable[[float], complex], start: float, end: float, first: complex, last: complex, depth: int
+) -> float:
     """Angle turned by a unit complex number between two parameters, halving intervals until each turn is small."""
     angle = math.atan2((last / first).imag, (last / first).real)
     if depth >= 6 and abs(angle) < 0.5 or depth > 24:

@@ -282,7 +282,8 @@ class Rigidity:
     def shapes(self) -> Array:
         """Internal zero modes as displacements (k - rigid, n, 3), the largest component 1."""
         fields = [self.framework.field(mode.real) for mode in self.internal]
-        return np.array([f / f.ravel()[np.argmax(np.abs(f))] for f in fields]).reshape(-1, len(self.framework.points), 3)
+        scaled = [field / field.ravel()[np.argmax(np.abs(field))] for field in fields]
+        return np.array(scaled).reshape(-1, len(self.framework.points), 3)
 
     def __str__(self) -> str:
         zero, stress = len(self.zero_modes), len(self.self_stresses)

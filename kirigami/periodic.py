@@ -107,10 +107,10 @@ class PeriodicCell:
 
     def gradient(self, strain: ArrayLike) -> Array:
         """A mean displacement gradient (dim, dim) from itself, or from strains in the order of :meth:`stiffness`."""
-        given = np.asarray(strain, dtype=float)
+        given: Array = np.array(strain, dtype=float)
         pairs = self._pairs()
         if given.shape == (self.dim, self.dim):
-            return given.copy()
+            return given
         if given.shape != (len(pairs),):
             raise ModelError(
                 f"PeriodicCell: the mean strain must be a gradient ({self.dim}, {self.dim}) or {len(pairs)} strains, "
@@ -183,7 +183,8 @@ class PeriodicCell:
         Raises
         ------
         MechanismError
-            A periodic motion that is no translation costs no energy.
+            The state is at the brink of a periodic instability, so nothing balances the strain. A motion that costs
+            nothing is no error: where a mean strain can follow it, its stiffness is zero.
         """
         from scipy.sparse import csc_matrix
 
@@ -201,7 +202,8 @@ class PeriodicCell:
         affine = np.stack([(steps @ self.gradient(strain).T).ravel() for strain in strains], axis=1)
         still = slice(self.dim, None)  # all but the first node, which stops the translations
         relaxed = np.zeros((kept.size * self.dim, len(strains)))
-        relaxed[still] = _relax((copies.T @ matrix @ copies).tocsc()[still, still].tocsc(), copies.T[still] @ (matrix @ affine))
+        inner = (copies.T @ matrix @ copies).tocsc()[still, still].tocsc()
+        relaxed[still] = _relax(inner, copies.T[still] @ (matrix @ affine))
         field = affine + copies @ relaxed
         found = field.T @ (matrix @ field) / self.measure
         symmetric: Array = 0.5 * (found + found.T)
@@ -219,11 +221,13 @@ class PeriodicCell:
 
 
 def _relax(stiffness: Any, load: Array) -> Array:
-    """Fluctuations (free, k) that balance loads (free, k); motions that cost nothing are no harm if nothing drives them."""
+    """Fluctuations (free, k) that balance loads (free, k); nothing drives motions that cost nothing, so they are no harm."""
     from scipy.sparse import identity
 
     from kirigami.linalg import SingularMatrixError, factorize
 
+    if not load.size:
+        return np.zeros_like(load)
     scale = float(stiffness.diagonal().max(initial=0.0))
     for shift in (0.0, 1e-12 * scale):
         try:
@@ -234,7 +238,9 @@ def _relax(stiffness: Any, load: Array) -> Array:
         if np.abs(stiffness @ found + load).max() <= 1e-6 * np.abs(load).max():
             return found
     raise MechanismError(
-        "the cell has a periodic motion that costs no energy: add springs or bars that resist it", motion="periodic"
+        "no periodic motion balances the mean strain: the cell is at the brink of an instability; take its stiffness "
+        "about a state before it",
+        motion="periodic",
     )
 
 
@@ -243,5 +249,7 @@ def _strained_axes(lattice: Array) -> Sequence[int]:
     dim = lattice.shape[1]
     used = [axis for axis in range(dim) if np.abs(lattice[:, axis]).max() > 1e-12 * np.abs(lattice).max()]
     if len(used) != len(lattice):
-        raise ModelError(f"PeriodicCell: {len(lattice)} lattice vectors must span as many coordinate axes, not {len(used)}")
+        raise ModelError(
+            f"PeriodicCell: {len(lattice)} lattice vectors must span as many coordinate axes, not {len(used)}"
+        )
     return used

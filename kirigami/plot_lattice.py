@@ -212,7 +212,7 @@ def animate_path(
         _fill(ax, tiling, moved[0], REST, REST_EDGE, 0.45, 1)
         _fill(ax, tiling, shown[frame], MOVED, MOVED_EDGE, 0.8, 2)
         if pivots:
-            ax.scatter(*shown[frame][pivots].T, s=dot, color=SPRING, zorder=4, linewidths=0)
+            ax.scatter(shown[frame][pivots, 0], shown[frame][pivots, 1], s=dot, color=SPRING, zorder=4, linewidths=0)
         margin = 0.04 * size.max()
         ax.set(xlim=(corner[0] - margin, corner[0] + size[0] + margin))
         ax.set(ylim=(corner[1] - margin, corner[1] + size[1] + margin))

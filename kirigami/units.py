@@ -109,11 +109,11 @@ def show(value: float, kind: str) -> str:
         return f"{100 * value:.6g} %"
     if kind == "density":
         return f"{value:.6g} kg/m3"
-    scale = (("m", 1.0), ("mm", 1e-3), ("um", 1e-6)) if kind == "length" else (
-        ("GPa", 1e9), ("MPa", 1e6), ("kPa", 1e3), ("Pa", 1.0)
-    )  # fmt: skip
-    least = 0.1 if kind == "length" else 1.0
-    unit, factor = next(((u, f) for u, f in scale if abs(value) >= least * f), scale[-1])
+    steps = {
+        "length": (("m", 1.0, 1.0), ("mm", 1e-3, 1e-5), ("um", 1e-6, 0.0)),
+        "stress": (("GPa", 1e9, 1e9), ("MPa", 1e6, 1e6), ("kPa", 1e3, 1e3), ("Pa", 1.0, 0.0)),
+    }
+    unit, factor = next((unit, factor) for unit, factor, least in steps[kind] if abs(value) >= least)
     return f"{value / factor:.6g} {unit}"
 
 
@@ -134,7 +134,7 @@ def doubts(*, thickness: float, size: float, E: float, strain: float) -> list[st
     >>> doubts(thickness=1e-4, size=0.2, E=3.5e9, strain=0.2)
     []
     >>> doubts(thickness=0.1, size=0.2, E=3.5e9, strain=20)
-    ['the thickness 0.1 m is 50 % of the size 0.2 m: not a thin sheet', 'a strain of 2000 %: was 20 % meant?']
+    ['the thickness 100 mm is 50 % of the size 200 mm: not a thin sheet', 'a strain of 2000 %: was 20 % meant?']
     """
     found = []
     if thickness > 0.1 * size:

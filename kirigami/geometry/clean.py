@@ -96,6 +96,7 @@ def clean(
     cuts: Sequence[BaseGeometry] = (),
     lines: Sequence[BaseGeometry] = (),
     snap: float = 1e-5,
+    spacing: float = 0.0,
     allow_parts: bool = False,
 ) -> Drawing:
     """Turn an outline, its cuts and embedded lines into a clean planar graph.
@@ -111,6 +112,9 @@ def clean(
     snap : float
         Points closer than this times the size of the sheet become one, and a point closer than half of it to an edge is
         moved onto it.
+    spacing : float
+        A curve whose points are closer than this times the size of the sheet, more than half of them, is thinned as far
+        as it moves by no more than ``snap``.
     allow_parts : bool
         Whether cuts may sever the sheet.
 
@@ -132,7 +136,7 @@ def clean(
     """
     low, high = np.array(outline.bounds).reshape(2, 2)
     frame = Frame(low, float((high - low).max()))
-    points, edges = node_lines(*_line_work([outline, *cuts, *lines], len(cuts), frame), snap)
+    points, edges = node_lines(*_line_work([outline, *cuts, *lines], len(cuts), frame, snap, spacing), snap)
     if shapely.MultiPoint(points).convex_hull.area <= snap**2:
         raise GeometryError(f"the outline is narrower than the snapping distance, {snap * frame.size:.3g}")
     pairs, index = np.unique(np.sort(edges[:, :2], axis=1), axis=0, return_inverse=True)
@@ -163,7 +167,9 @@ def clean(
     )
 
 
-def _line_work(drawn: Sequence[BaseGeometry], cut_count: int, frame: Frame) -> tuple[Floats, Integers]:
+def _line_work(
+    drawn: Sequence[BaseGeometry], cut_count: int, frame: Frame, snap: float, spacing: float
+) -> tuple[Floats, Integers]:
     """Points and edges (start, end, owner) of everything drawn, in the unit frame."""
     all_points: list[Floats] = []
     all_edges: list[Integers] = []
@@ -176,6 +182,8 @@ def _line_work(drawn: Sequence[BaseGeometry], cut_count: int, frame: Frame) -> t
             if farthest > FARTHEST:
                 what = f"cut {owner - 1}" if owner <= cut_count else f"line {owner - 1 - cut_count}"
                 raise GeometryError(f"{what} lies {farthest:.1e} sizes of the sheet away: is it in another unit?")
+            if np.median(np.hypot(*np.diff(points, axis=0).T)) < spacing:
+                points = shapely.get_coordinates(shapely.simplify(shapely.LineString(points), snap))
             start = count + np.arange(len(points) - 1)
             all_points.append(points)
             all_edges.append(np.column_stack([start, start + 1, np.full(len(start), owner)]))

@@ -250,22 +250,24 @@ def random_slits(
     area = shapely.box(gap, margin + gap, width - gap, margin + height - gap)
     cuts: list[BaseGeometry] = []
     group: list[int] = []  # slits that hang together
-    for _ in range(1000 * count):
-        if len(cuts) == count:
-            return cuts
+    for _ in range(300 * count):
         centre = random.uniform((0.0, margin), (width, margin + height))
         angle, reach = random.uniform(0.0, np.pi), 0.5 * random.uniform(*length)
         arm = reach * np.array([np.cos(angle), np.sin(angle)])
         slit = shapely.LineString([centre - arm, centre + arm])
-        near = [number for number, cut in enumerate(cuts) if shapely.dwithin(cut, slit, gap)]
+        if not area.covers(slit):
+            continue
+        near = np.flatnonzero(shapely.dwithin(np.array(cuts, dtype=object), slit, gap)).tolist()
         met = [number for number in near if crossing and _crosses_clearly(cuts[number], slit, gap)]
         # Meeting one group twice would close a loop; passing close without a clear crossing would leave a sliver.
-        if not area.covers(slit) or len(met) < len(near) or len({group[number] for number in met}) < len(met):
+        if len(met) < len(near) or len({group[number] for number in met}) < len(met):
             continue
         joined = {group[number] for number in met}
         group = [len(cuts) if name in joined else name for name in group]
         group.append(len(cuts))
         cuts.append(slit)
+        if len(cuts) == count:
+            return cuts
     raise GeometryError(f"found room for {len(cuts)} of {count} slits; make them fewer, shorter or closer")
 
 

@@ -260,7 +260,7 @@ class TriMesh:
         name : str
             ``"bottom"``, ``"top"``, ``"left"`` or ``"right"`` for the nodes of the outline on that side of the bounding
             box (to 1e-9 of the size); ``"outer"`` for the outline without holes and lips of cuts; ``"free"`` for all
-            boundary nodes; ``"cut:3"`` for the cut that contains drawn cut 3; or the name of a set.
+            boundary nodes; ``"cut:3"`` for the cut that contains drawn cut 3; or the name of a set, which comes first.
 
         Raises
         ------

@@ -87,8 +87,10 @@ def triangulate_drawing(drawing: Drawing, max_edge: float, cut_edge: float, min_
         if drawing.is_boundary[edge]:
             boundary.append(segments[-1])
 
+    joints = np.bincount(drawing.edges[drawing.label_separates[drawing.labels]].ravel(), minlength=count)
     for edge in np.flatnonzero(is_cut).tolist():
-        pieces = _pieces(lengths[edge] / cut_edge)
+        alone = (joints[drawing.edges[edge]] == 1).all()  # one mesh edge between two tips could not open
+        pieces = max(_pieces(lengths[edge] / cut_edge), 2 if alone else 1)
         add(edge, np.arange(1, pieces) / pieces)
     cut_points = np.concatenate([*points[1:], drawing.points[np.unique(drawing.edges[is_cut])]])
     size = SizeField(max_edge, cut_edge, cut_points)

@@ -23,6 +23,7 @@ if TYPE_CHECKING:
 
 CUT_FRACTION = 0.4  # default edge length along cuts, as a fraction of max_edge
 SNAP_PER_EDGE = 200  # the default snapping distance is this part of cut_edge
+DENSE = 4  # points per cut_edge beyond which a curve is thinned
 LARGEST_SNAP, SMALLEST_SNAP = 1e-4, 1e-9  # default and limit, fractions of the size of the sheet
 POOR_ANGLE = 20.0  # degrees; below, bars and hinges lose accuracy
 LARGEST_MIN_ANGLE = 33.0  # degrees; beyond, refinement need not come to an end
@@ -112,7 +113,8 @@ class Sheet:
         snap : float, optional
             Length below which details of the drawing close: points nearer than this become one, and ends of cuts that
             miss by less than half of it are moved onto what they nearly touch. Unless given, ``cut_edge / 200`` but not
-            more than 1e-4 of the size of the sheet: what is smaller would only make slivers.
+            more than 1e-4 of the size of the sheet: what is smaller would only make slivers. Curves with more than four
+            points per ``cut_edge`` are thinned by no more than this.
         allow_parts : bool
             Accept cuts that sever the sheet.
 
@@ -146,10 +148,10 @@ class Sheet:
                 f"details can be snapped at {SMALLEST_SNAP * size:.3g} to {1e-2 * size:.3g} for a sheet of this size, "
                 f"not at {relative * size:.3g}" + ("; cut_edge is too short" if snap is None else "")
             )
-        drawing = clean(self.outline, self.cuts, geometries, float(f"{relative:.12g}"), allow_parts)
         # rounded so that the same drawing in another unit gives the same mesh
-        lengths = [float(f"{length / size:.12g}") for length in (max_edge, cut_edge)]
-        made = triangulate_drawing(drawing, lengths[0], lengths[1], min_angle)
+        snap, longest, at_cuts = (float(f"{length:.12g}") for length in (relative, max_edge / size, cut_edge / size))
+        drawing = clean(self.outline, self.cuts, geometries, snap, at_cuts / DENSE, allow_parts)
+        made = triangulate_drawing(drawing, longest, at_cuts, min_angle)
         mesh = self._opened(drawing, made, names)
         _verify(mesh, drawing, made, max_edge, allow_parts)
         return mesh

@@ -7,6 +7,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 
 from kirigami.errors import ModelError
 from kirigami.io.files import whole_file
@@ -69,13 +70,13 @@ def to_abaqus(
     listed = checked_targets(targets, "to_abaqus")
     shell = shell_of(model, "to_abaqus")
     with whole_file(path) as unfinished, open(unfinished, "w", encoding="ascii", errors="replace") as file:
-        for line in _lines(shell, model, listed, int(increments), element):
-            file.write(line + "\n")
+        file.writelines(line + "\n" for line in _lines(shell, model, listed, int(increments), element))
     return Path(path)
 
 
 def _lines(shell: Shell, model: Model, targets: list[float], increments: int, element: str) -> Iterator[str]:
-    nodes, corners, middles = shell.nodes, shell.triangles, np.empty((0, 2), np.int64)
+    nodes, corners = shell.nodes, shell.triangles
+    middles: NDArray[np.int64] = np.empty((0, 2), np.int64)
     if NODES_OF[element] == 6:
         nodes, corners, middles = _with_middles(shell)
     yield f"** {model.name or 'sheet'}: written by kirigami"
@@ -138,7 +139,7 @@ def _lines(shell: Shell, model: Model, targets: list[float], increments: int, el
         yield "*END STEP"
 
 
-def _with_middles(shell: Shell) -> tuple[Array, Array, Array]:
+def _with_middles(shell: Shell) -> tuple[Array, NDArray[np.int64], NDArray[np.int64]]:
     """Nodes and triangles with a node in the middle of each edge, and the ends of these edges."""
     corners = shell.triangles
     sides = np.sort(np.stack([corners, np.roll(corners, -1, axis=1)], axis=2).reshape(-1, 2), axis=1)

@@ -122,12 +122,13 @@ def _document(path: Path) -> Any:
         raise GeometryError(f"{path} is empty")
     try:
         return ezdxf.readfile(path)
-    except Exception as first:  # ezdxf lets many kinds of error out of a file that is cut off, StopIteration among them
+    except Exception as first:  # noqa: BLE001
+        # ezdxf lets many kinds of error out of a file that is cut off, StopIteration among them.
         if not _looks_like_dxf(path):
             raise GeometryError(f"{path} is no DXF file ({first})") from None
         try:  # many programs write files that are not quite right
             return recover.readfile(path)[0]
-        except Exception as error:
+        except Exception as error:  # noqa: BLE001
             raise GeometryError(f"{path} is a broken DXF file: {str(first) or str(error) or 'it ends too early'}") from None
 
 
@@ -220,7 +221,8 @@ def _bulge(start: Floats, end: Floats, bulge: float, distance: float) -> Floats:
 
     def position(t: Floats) -> Floats:
         c, s = np.cos(angle * t), np.sin(angle * t)
-        return center + np.column_stack([arm[0] * c - arm[1] * s, arm[0] * s + arm[1] * c])
+        on_arc: Floats = center + np.column_stack([arm[0] * c - arm[1] * s, arm[0] * s + arm[1] * c])
+        return on_arc
 
     points = flattened(position, distance)
     points[0], points[-1] = start, end
@@ -238,7 +240,8 @@ def _flat(points: list[Any], entity: Any) -> Floats:
             f"{_source(entity)} on layer {entity.dxf.layer!r} leaves the plane: z runs from {array[:, 2].min():.6g} to "
             f"{array[:, 2].max():.6g}; a sheet is drawn in a plane of constant z"
         )
-    return array[:, :2].copy()
+    plane: Floats = array[:, :2].copy()
+    return plane
 
 
 def _vector(point: Any) -> Any:

@@ -6,6 +6,7 @@ import json
 import math
 import os
 from collections.abc import Iterable
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -150,7 +151,7 @@ def _pattern(sheet: Any, folds: Iterable[Any]) -> dict[str, Any]:
     lines, letters = [], []
     for layer, points, closed in layered(sheet, folds):
         ring = np.concatenate([points, points[:1]]) if closed else points
-        for piece in zip(ring[:-1], ring[1:]):
+        for piece in pairwise(ring):
             lines.append(shapely.LineString(piece))
             letters.append(LETTERS[layer])
     tree = shapely.STRtree(lines)
@@ -164,7 +165,7 @@ def _pattern(sheet: Any, folds: Iterable[Any]) -> dict[str, Any]:
             on_line.update(tuple(point) for point in shapely.get_coordinates(met).tolist())
         chain = sorted(on_line, key=lambda point: math.dist(point, start))
         numbers = [vertices.setdefault(point, len(vertices)) for point in chain]
-        for pair in zip(numbers, numbers[1:]):
+        for pair in pairwise(numbers):
             if pair[0] != pair[1]:
                 edges.setdefault((min(pair), max(pair)), letter)  # an outline drawn first stays one
     return {

@@ -102,8 +102,7 @@ def to_html(
         "PLOTLY": _packed(plotly.get_plotlyjs().encode()),
     }
     with whole_file(path) as unfinished, open(unfinished, "w", encoding="utf-8") as file:
-        for number, piece in enumerate(page.split("%%")):
-            file.write(parts[piece] if number % 2 else piece)
+        file.writelines(parts[piece] if number % 2 else piece for number, piece in enumerate(page.split("%%")))
     return Path(path)
 
 
@@ -160,4 +159,5 @@ def _span(values: Array) -> tuple[float, float]:
 def _planes(integers: Iterable[Any]) -> bytes:
     """32-bit integers (k, columns) as four byte planes."""
     flat = np.ascontiguousarray(np.asarray(integers).ravel(), dtype="<u4")
-    return flat.view(np.uint8).reshape(-1, 4).T.tobytes()
+    planes: bytes = flat.view(np.uint8).reshape(-1, 4).T.tobytes()
+    return planes

@@ -344,26 +344,17 @@ def write_svg(
         data = " L ".join(f"{x!r},{-y!r}" for x, y in (points * factor + 0.0).tolist())
         groups[layer].append(f'    <path d="M {data}{" Z" if closed else ""}"/>')
     thin = 1e-3 * max(width, height)
-    body = []
-    for layer, lines in groups.items():
-        dash = f' stroke-dasharray="{5 * thin:.3g}"' if layer == "FOLDS" else ""
-        body += [
-            f'  <g id="{layer}" inkscape:groupmode="layer" inkscape:label="{layer}" fill="none" '
-            f'stroke="{STROKES[layer]}" stroke-width="{thin:.3g}"{dash}>',
-            *lines,
-            "  </g>",
-        ]
-    text = "\n".join([
+    lines = [
         '<?xml version="1.0" encoding="UTF-8"?>',
-        '<svg xmlns="http://www.w3.org/2000/svg" '
-        'xmlns:inkscape="http://www.inkscape.org/namespaces/inkscape" version="1.1"',
-        f'     width="{width!r}{drawn_in}" height="{height!r}{drawn_in}" '
-        f'viewBox="{left!r} {-top!r} {width!r} {height!r}" '
-        f'{ORIGIN}="sheet">',
-        *body,
-        "</svg>",
-        "",
-    ])  # fmt: skip
+        f'<svg xmlns="http://www.w3.org/2000/svg" xmlns:inkscape="{LABEL[1:-6]}" version="1.1" {ORIGIN}="sheet"',
+        f'     width="{width!r}{drawn_in}" height="{height!r}{drawn_in}" viewBox="{left!r} {-top!r} {width!r} {height!r}">',
+    ]
+    for layer, paths in groups.items():
+        dash = f' stroke-dasharray="{5 * thin:.3g}"' if layer == "FOLDS" else ""
+        stroke = f'fill="none" stroke="{STROKES[layer]}" stroke-width="{thin:.3g}"{dash}'
+        lines.append(f'  <g id="{layer}" inkscape:groupmode="layer" inkscape:label="{layer}" {stroke}>')
+        lines += [*paths, "  </g>"]
+    text = "\n".join([*lines, "</svg>", ""])
     with whole_file(path) as unfinished:
         unfinished.write_text(text, encoding="utf-8")
     return Path(path)

@@ -72,8 +72,8 @@ def square_rhombus(angle: float, side: float = 1.0) -> Tiling:
     Parameters
     ----------
     angle : float
-        Lean of the rhombi against the diagonals of the squares [rad], between -pi/8 and pi/8; the opposite angle gives the mirror
-        image. The corners of the rhombi at the joints measure pi/2 - abs(angle).
+        Lean of the rhombi against the diagonals of the squares [rad], between -pi/8 and pi/8; the opposite angle gives
+        the mirror image. The corners of the rhombi at the joints measure pi/2 - abs(angle).
     side : float
         Side of squares and rhombi [length].
 
@@ -151,7 +151,7 @@ def kagome(
 
 
 def critical_angles(sides: tuple[float, float, float] = (0.8, 0.6, 1.0)) -> tuple[float, float, float]:
-    """Ascending twist angles of :func:`kagome` at which sides of neighbours are in line: 2 pi/3, pi - alpha, pi/3 + rho.
+    """Ascending twist angles of :func:`kagome` with sides of neighbours in line: 2 pi/3, pi - alpha, pi/3 + rho.
 
     Parameters
     ----------

@@ -132,7 +132,7 @@ def ligament_sheet(tiling: Tiling, width: float, length: float) -> shapely.Polyg
     clips, bridges = [], []
     for joint in tiling.joints:
         at = tiling.vertices[joint]
-        corners = [_bisector(tiling, number, joint) for number, polygon in enumerate(tiling.polygons) if joint in polygon]
+        corners = [_bisector(tiling, k, joint) for k, polygon in enumerate(tiling.polygons) if joint in polygon]
         if len(corners) != 2:
             raise GeometryError(f"ligament_sheet: {len(corners)} panels meet at the joint {place_of(at)}, not two")
         clips.append(shapely.Point(at).buffer(length / 2, quad_segs=8))
@@ -163,7 +163,8 @@ def _region(sheet: Sheet | shapely.Polygon, neck: float) -> Any:
         return sheet
     region: Any = sheet.outline
     for cut in sheet.cuts:
-        region = region.difference(cut if isinstance(cut, shapely.Polygon) else cut.buffer(neck / 200, cap_style="flat"))
+        opening = cut if isinstance(cut, shapely.Polygon) else cut.buffer(neck / 200, cap_style="flat")
+        region = region.difference(opening)
     return region
 
 

@@ -64,10 +64,11 @@ def from_polygons(
     else:
         for joint in np.asarray(joints, dtype=float).reshape(-1, 2):
             here = np.flatnonzero(np.linalg.norm(points - joint, axis=1) <= near)
-            if len(set(owner[here].tolist())) < 2:
+            touched = len(set(owner[here].tolist()))
+            if touched < 2:
                 raise GeometryError(
-                    f"from_polygons: the joint at {place_of(joint)} touches {len(set(owner[here].tolist()))} panel(s); a "
-                    "joint needs a corner of two panels there"
+                    f"from_polygons: the joint at {place_of(joint)} touches {touched} panel(s); a joint needs a corner of "
+                    "two panels there"
                 )
             leader[here] = here[0]
     kept, index = np.unique(leader, return_inverse=True)

@@ -134,7 +134,8 @@ class Tiling:
         crossed = np.flatnonzero(~shapely.is_valid(polygons[:count]))
         if crossed.size:
             k = int(crossed[0])
-            raise GeometryError(f"Tiling: the outline of panel {k} around {place_of(shapes[k].mean(axis=0))} crosses itself")
+            where = place_of(shapes[k].mean(axis=0))
+            raise GeometryError(f"Tiling: the outline of panel {k} around {where} crosses itself")
         first, second = shapely.STRtree(polygons).query(polygons[:count], predicate="intersects")
         first, second = first[first < second], second[first < second]
         common = shapely.area(shapely.intersection(polygons[first], polygons[second]))
@@ -142,17 +143,20 @@ class Tiling:
         bad = np.flatnonzero(common > SMALL * smaller)
         if bad.size:
             k = bad[0]
-            where = shapely.intersection(polygons[first[k]], polygons[second[k]]).centroid
+            both = shapely.intersection(polygons[first[k]], polygons[second[k]])
+            where = place_of(both.centroid.coords[0])
             raise GeometryError(
-                f"Tiling: panels {first[k]} and {second[k] % count} overlap around ({where.x:.6g}, {where.y:.6g}); "
+                f"Tiling: panels {first[k]} and {second[k] % count} overlap around {where}; "
                 f"{bad.size} pair(s) of panels do"
             )
 
     def place(self, corners: Iterable[Corner]) -> Array:
         """Positions (k, 2) of corners."""
         listed = np.array(list(corners), dtype=int).reshape(-1, 3)
-        found = self.points[listed[:, 0]]
-        return found if self.lattice is None else found + listed[:, 1:] @ self.lattice
+        found: Array = self.points[listed[:, 0]]
+        if self.lattice is not None:
+            found = found + listed[:, 1:] @ self.lattice
+        return found
 
     # ---- topology
 
@@ -332,7 +336,9 @@ class Tiling:
             raise ModelError(f"springs {springs!r} is unknown: use 'one' or 'both'")
         given = stiffness.stiffness if isinstance(stiffness, Ligament) else np.asarray(stiffness, dtype=float)
         if np.shape(given) not in ((), (len(self.joints),)):
-            raise ModelError(f"Tiling.model: stiffness must be one number or one for each of the {len(self.joints)} joints")
+            raise ModelError(
+                f"Tiling.model: stiffness must be one number or one for each of the {len(self.joints)} joints"
+            )
         by_joint_stiffness = np.broadcast_to(given, len(self.joints)).tolist()
         closing_moment = require_finite(closing_moment, "closing_moment", "Tiling.model")
         model = Model(dim=2, name=name)
@@ -390,8 +396,8 @@ class Tiling:
         for gap in self.gaps:
             if gap.angle < minimum - CLOSED:
                 raise ModelError(
-                    f"angle_limits: the gap at joint {gap.pivot} {place_of(self.vertices[gap.pivot])} is {gap.angle:.6g} "
-                    f"rad, already below the limit {minimum:.6g}: open the tiling further or lower the limit"
+                    f"angle_limits: the gap at joint {gap.pivot} {place_of(self.vertices[gap.pivot])} is "
+                    f"{gap.angle:.6g} rad, already below the limit {minimum:.6g}: open the tiling further or lower the limit"
                 )
         at = model.nodes
         return [

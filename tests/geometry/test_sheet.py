@@ -22,7 +22,11 @@ SHEETS = {
     "slit from the edge": (kg.Sheet(box(0, 0, 2, 2), LineString([(0, 1), (1.2, 1)])), 0, 1),
     "crossing": (kg.Sheet(box(0, 0, 2, 2), crosses()), 1, 0),
     "hole": (kg.Sheet(box(0, 0, 2, 2), shapely.Point(1, 1).buffer(0.4)), 1, 0),
-    "hole of the outline": (kg.Sheet(box(0, 0, 2, 2) - box(0.5, 0.5, 1, 1), LineString([(1, 0.75), (1.5, 0.75)])), 1, 0),
+    "hole of the outline": (
+        kg.Sheet(box(0, 0, 2, 2) - box(0.5, 0.5, 1, 1), LineString([(1, 0.75), (1.5, 0.75)])),
+        1,
+        1,
+    ),
     "slit ends in a hole": (kg.Sheet(box(0, 0, 2, 2), [LineString([(0.4, 1), (1, 1)]), box(1, 0.8, 1.4, 1.2)]), 1, 0),
     "notch": (kg.Sheet(box(0, 0, 2, 2), box(-1, 0.9, 0.5, 1.1)), 0, 1),
     "disc": (kg.Sheet(*kg.cuts.single_slit_disc(radius=1, length=0.9)), 1, 0),
@@ -73,7 +77,9 @@ def test_every_cut_has_a_record_in_input_order(case):
 def test_lips_lie_on_the_drawn_cuts(case):
     sheet, mesh, *_ = case
     for cut in mesh.cuts:
-        drawn = shapely.union_all([shapely.boundary(sheet.cuts[i]) if sheet.cuts[i].area else sheet.cuts[i] for i in cut.members])
+        drawn = shapely.union_all(
+            [shapely.boundary(sheet.cuts[i]) if sheet.cuts[i].area else sheet.cuts[i] for i in cut.members]
+        )
         assert shapely.distance(shapely.points(mesh.nodes[cut.loop, :2]), drawn).max() < 1e-9
         if not any(sheet.cuts[i].area for i in cut.members):
             assert shapely.Polygon(mesh.nodes[cut.loop, :2]).area == pytest.approx(0.0, abs=1e-12)
@@ -203,11 +209,20 @@ def test_thickness_and_material_are_handed_on():
 
 def test_cuts_of_any_nesting_are_numbered_in_order():
     one, two, three = (LineString([(x, 0.2), (x, 0.8)]) for x in (0.2, 0.4, 0.6))
-    nested = [shapely.MultiLineString([one, two]), [shapely.GeometryCollection([box(0.8, 0.2, 0.9, 0.3)]), [(0.6, 0.2), (0.6, 0.8)]]]
+    nested = [
+        shapely.MultiLineString([one, two]),
+        [shapely.GeometryCollection([box(0.8, 0.2, 0.9, 0.3)]), [(0.6, 0.2), (0.6, 0.8)]],
+    ]
     sheet = kg.Sheet(box(0, 0, 1, 1), nested)
     assert [cut.geom_type for cut in sheet.cuts] == ["LineString", "LineString", "Polygon", "LineString"]
     assert sheet.cuts[3].equals(three)
     assert repr(sheet) == "Sheet(1 x 1, area 0.99, 3 slits, 1 opening)"
+
+
+def test_short_slit_opens():
+    mesh = kg.Sheet(box(0, 0, 1, 1), LineString([(0.5, 0.5), (0.52, 0.5)])).mesh(0.2)
+    assert len(mesh.boundary_loops) == 2
+    assert len(mesh.cuts[0].loop) == 4
 
 
 def test_thousand_slits():

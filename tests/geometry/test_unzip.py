@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 import numpy as np
 import pytest
 
@@ -28,10 +30,10 @@ def node(x: int, y: int) -> int:
 def path(*corners: tuple[int, int]) -> list[tuple[int, int]]:
     """Grid edges along a polyline with sides parallel to the axes."""
     edges = []
-    for (x0, y0), (x1, y1) in zip(corners, corners[1:], strict=False):
+    for (x0, y0), (x1, y1) in pairwise(corners):
         steps = max(abs(x1 - x0), abs(y1 - y0))
         along = [node(x0 + (x1 - x0) * s // steps, y0 + (y1 - y0) * s // steps) for s in range(steps + 1)]
-        edges += list(zip(along, along[1:], strict=False))
+        edges += list(pairwise(along))
     return edges
 
 
@@ -41,7 +43,11 @@ def path(*corners: tuple[int, int]) -> list[tuple[int, int]]:
         (path((1, 3), (5, 3)), 3, 2),  # inner: every node but the two tips doubles
         (path((0, 3), (3, 3)), 3, 1),  # from the edge: the mouth doubles too
         (path((2, 2), (4, 2), (4, 4)), 3, 2),  # bent
-        (path((1, 3), (5, 3)) + path((3, 1), (3, 5)), 4 * 1 + 3 + 0, 2),  # crossing: 4 on the arms, 3 more at the centre
+        (
+            path((1, 3), (5, 3)) + path((3, 1), (3, 5)),
+            4 * 1 + 3 + 0,
+            2,
+        ),  # crossing: 4 on the arms, 3 more at the centre
         (path((1, 3), (5, 3)) + path((3, 3), (3, 5)), 2 + 1 + 2, 2),  # T: 3 single, and a third copy where they meet
         (path((0, 3), (3, 3)) + path((3, 1), (3, 5)), 2 + 1 + 2 + 2, 1),  # T open to the edge, two inner arms
         (path((1, 2), (5, 2)) + path((1, 4), (5, 4)), 6, 3),  # two

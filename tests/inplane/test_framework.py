@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 import pytest
 
@@ -10,7 +12,9 @@ from kirigami import tilings
 from kirigami.framework import Framework
 
 
-def _framework(points: list[tuple[float, float]], bars: list[tuple[int, int]], held: list[int] = ()) -> Framework:  # type: ignore[assignment]
+def _framework(
+    points: Sequence[tuple[float, ...]], bars: Sequence[tuple[int, int]], held: Sequence[int] = ()
+) -> Framework:
     model = kg.Model(dim=2)
     nodes = model.add(*(kg.Node(*point) for point in points))
     model.add(*(kg.Bar(nodes[i], nodes[j], EA=1.0) for i, j in bars))
@@ -91,7 +95,7 @@ def test_four_bar_linkage_is_followed_far() -> None:
 
     start = 1.0
     points = [(0.0, 0.0), (crank * np.cos(start), crank * np.sin(start)), tuple(rocker_end(start)), (base, 0.0)]
-    framework = _framework(points, [(0, 1), (1, 2), (2, 3)], held=[0, 3])  # type: ignore[arg-type]
+    framework = _framework(points, [(0, 1), (1, 2), (2, 3)], held=[0, 3])
     (mode,) = framework.rigidity().shapes
     path = framework.follow(mode, distance=2.5, steps=50)
     moved = framework.points + path[..., :2]

@@ -58,7 +58,7 @@ def bent(lift: float = 0.02) -> kg.Model:
 def disc() -> kg.Model:
     """A disc with one slit, its upper lip bulged, two small grips pulled apart by 0.1 per cent of the radius."""
     outline, cuts = kg.cuts.single_slit_disc(radius=3, length=2.58)
-    mesh = kg.Sheet(outline, cuts, 0.003, kg.Material(E=760000, nu=0.34)).mesh(0.6, cut_edge=0.3)
+    mesh = kg.Sheet(outline, cuts, 0.003, kg.Material(E=760000, nu=0.34)).mesh(0.45, cut_edge=0.2)
     m = kg.Model.from_mesh(mesh)
     x, y, _ = mesh.nodes.T
     upper = mesh.nodes[mesh.triangles, 1].mean(axis=1) > 0
@@ -165,7 +165,7 @@ def calculix(model: kg.Model, folder: Path, name: str, axis: int) -> float:
     if program is None:
         pytest.skip("CalculiX is not installed (Debian: calculix-ccx)")
     to_abaqus(model, folder / "sheet.inp", increments=2, element="S6")
-    run = subprocess.run([program, "sheet"], cwd=folder, capture_output=True, text=True, timeout=120)
+    run = subprocess.run([program, "sheet"], cwd=folder, capture_output=True, text=True, timeout=120, check=False)
     assert "Job finished" in run.stdout, run.stdout[-2000:]
     printed = re.findall(rf"total force .* for set {name} .*\n\n(.*)\n", (folder / "sheet.dat").read_text())
     return float(printed[-1].split()[axis])
@@ -177,7 +177,7 @@ def opensees(model: kg.Model, folder: Path, name: str, axis: int) -> float:
         pytest.skip("OpenSeesPy is not installed")
     script = to_openseespy(model, folder / "sheet.py", increments=4)
     run = subprocess.run(
-        [sys.executable, script.name, "out.csv"], cwd=folder, capture_output=True, text=True, timeout=120
+        [sys.executable, script.name, "out.csv"], cwd=folder, capture_output=True, text=True, timeout=120, check=False
     )
     assert run.returncode == 0, run.stderr[-2000:]
     with open(folder / "out.csv") as file:
@@ -213,7 +213,10 @@ def test_plate_patch_in_bending(code, tmp_path: Path) -> None:
 @pytest.mark.external
 @pytest.mark.parametrize("code", [calculix, opensees])
 def test_disc_with_one_slit(code, tmp_path: Path) -> None:
-    """At the onset of buckling on a coarse mesh: three discretisations of one sheet agree within 10 per cent."""
+    """At the onset of buckling, on a coarse mesh, three discretisations of one sheet agree within 10 per cent.
+
+    CalculiX falls by 12 per cent when the mesh is refined from 306 to 555 nodes, to 2 per cent below ours, which stays.
+    """
     m = disc()
     ours = float(kg.DisplacementControl(m).run().reaction(m.constraints[0].group, "y")[-1])
     assert code(m, tmp_path, "DRIVEN_0", 1) == pytest.approx(ours, rel=0.10)

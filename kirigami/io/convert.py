@@ -1,0 +1,285 @@
+"""Drawings, meshes and results from one kind of file to another, by the endings of their names."""
+
+from __future__ import annotations
+
+import importlib
+import os
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+import kirigami as kg
+from kirigami import units
+from kirigami.errors import GeometryError
+from kirigami.io.files import library, whole_file
+
+if TYPE_CHECKING:
+    from kirigami.io.drawing import Drawing
+
+FORMATS = {".dxf": "dxf", ".svg": "svg", ".geojson": "geojson", ".json": "geojson", ".fold": "fold"}
+FACETS = 4000  # aimed at where no edge length is given: a minute or so of work
+
+
+def read_drawing(path: str | os.PathLike[str], **options: Any) -> Drawing:
+    """Read a drawing by the ending of its name: .dxf, .svg, .geojson, .json or .fold.
+
+    Parameters
+    ----------
+    path : path
+        The file.
+    **options
+        As for the reader: :func:`kirigami.io.dxf.read_dxf`, :func:`kirigami.io.svg.read_svg`,
+        :func:`kirigami.io.geojson.read_geojson`, :func:`kirigami.io.fold.read_fold`.
+
+    Raises
+    ------
+    GeometryError
+        Another ending, or a drawing that cannot be read.
+
+    Examples
+    --------
+    >>> read_drawing("plate.step")
+    Traceback (most recent call last):
+    kirigami.errors.GeometryError: plate.step: drawings end in .dxf, .svg, .geojson, .json, .fold
+    """
+    read = _of_format("read", path)
+    drawing: Drawing = read(path, **options)
+    return drawing
+
+
+def write_drawing(item: Any, path: str | os.PathLike[str], unit: str = "m") -> Path:
+    """Write a sheet or drawing by the ending of the name: .dxf, .svg, .geojson, .json or .fold.
+
+    Parameters
+    ----------
+    item : Sheet or Drawing
+        What to write.
+    path : path
+        The file.
+    unit : str
+        Unit of length of its coordinates.
+
+    Raises
+    ------
+    GeometryError
+        Another ending.
+
+    Examples
+    --------
+    >>> import tempfile, shapely
+    >>> plate = kg.Sheet(shapely.box(0, 0, 1, 1))
+    >>> write_drawing(plate, Path(tempfile.mkdtemp()) / "plate.geojson").name
+    'plate.geojson'
+    """
+    write = _of_format("write", path)
+    written: Path = write(item, path, unit=unit)
+    return written
+
+
+def _of_format(verb: str, path: str | os.PathLike[str]) -> Callable[..., Any]:
+    """The function that reads or writes drawings with this ending; only its own library is imported."""
+    name = FORMATS.get(Path(path).suffix.lower())
+    if name is None:
+        raise GeometryError(f"{path}: drawings end in {', '.join(FORMATS)}")
+    found: Callable[..., Any] = getattr(importlib.import_module(f"kirigami.io.{name}"), f"{verb}_{name}")
+    return found
+
+
+def info(path: str | os.PathLike[str], **reading: Any) -> dict[str, Any]:
+    """What a drawing or a results file holds.
+
+    Parameters
+    ----------
+    path : path
+        A drawing, or results that :meth:`kirigami.Results.save` wrote (.npz).
+    **reading
+        Options of the reader of a drawing.
+
+    Returns
+    -------
+    dict
+        "kind", "text" for a person, and numbers.
+
+    Raises
+    ------
+    GeometryError, AnalysisError
+        The file cannot be read.
+
+    Examples
+    --------
+    >>> import shapely, tempfile
+    >>> file = write_drawing(kg.Sheet(shapely.box(0, 0, 0.2, 0.1)), Path(tempfile.mkdtemp()) / "plate.geojson")
+    >>> info(file)["width"]
+    0.2
+    """
+    if Path(path).suffix.lower() == ".npz":
+        results = kg.load(path)
+        return {
+            "kind": "results",
+            "text": results.summary(),
+            "nodes": len(results.rest),
+            "steps": len(results),
+            "load_factor": float(results.lam[-1]) if len(results) else 0.0,
+        }
+    drawing = read_drawing(path, **reading)
+    xmin, ymin, xmax, ymax = drawing.outline.bounds
+    return {
+        "kind": "drawing",
+        "text": drawing.report,
+        "width": xmax - xmin,
+        "height": ymax - ymin,
+        "unit": drawing.unit,
+        "area": drawing.outline.area,
+        "cuts": len(drawing.cuts),
+        "folds": len(drawing.folds),
+    }
+
+
+def edge_for(sheet: kg.Sheet, max_edge: float | str | None) -> float:
+    """The edge length asked for [m], or one for about 4,000 facets."""
+    return (2.3 * sheet.area / FACETS) ** 0.5 if max_edge is None else units.parse(max_edge, "length")
+
+
+def mesh_drawing(
+    path: str | os.PathLike[str],
+    max_edge: float | str | None = None,
+    output: str | os.PathLike[str] | None = None,
+    **reading: Any,
+) -> kg.TriMesh:
+    """Mesh a drawing and, if asked, write the mesh.
+
+    Parameters
+    ----------
+    path : path
+        The drawing.
+    max_edge : float or str, optional
+        Largest edge [m]; None aims at about 4,000 facets.
+    output : path, optional
+        Where to write: .fold, or any ending that meshio writes triangles to (.vtu, .stl, .msh, .inp, ...).
+    **reading
+        Options of the reader.
+
+    Raises
+    ------
+    GeometryError
+        The drawing cannot be read or meshed, or the ending is unknown.
+
+    Examples
+    --------
+    >>> import shapely, tempfile
+    >>> file = write_drawing(kg.Sheet(shapely.box(0, 0, 0.2, 0.1)), Path(tempfile.mkdtemp()) / "plate.geojson")
+    >>> round(float(mesh_drawing(file, "20mm").facet_areas.sum()), 12)
+    0.02
+    """
+    drawing = read_drawing(path, **{**reading, "unit": "m"})
+    sheet = drawing.sheet()
+    edge = edge_for(sheet, max_edge)
+    folds = {"folds": list(drawing.folds)} if drawing.folds else {}
+    mesh = sheet.mesh(edge, lines=folds)
+    if output is not None:
+        write_mesh(mesh, output)
+    return mesh
+
+
+def write_mesh(mesh: kg.TriMesh, path: str | os.PathLike[str]) -> Path:
+    """Write a mesh as FOLD, or as whatever meshio knows by its ending.
+
+    Parameters
+    ----------
+    mesh : TriMesh
+        The mesh.
+    path : path
+        The file.
+
+    Raises
+    ------
+    GeometryError
+        An ending that meshio does not know.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> mesh = kg.TriMesh([(0, 0), (1, 0), (0, 1)], [(0, 1, 2)])
+    >>> write_mesh(mesh, Path(tempfile.mkdtemp()) / "one.fold").name
+    'one.fold'
+    """
+    target = Path(path)
+    if target.suffix.lower() == ".fold":
+        from kirigami.io.fold import write_fold
+
+        return write_fold(mesh, target)
+    meshio = library("meshio", "writing meshes")
+    try:
+        with whole_file(target) as unfinished:
+            meshio.Mesh(np.array(mesh.nodes), [("triangle", np.array(mesh.triangles))]).write(unfinished)
+    except (meshio.ReadError, meshio.WriteError, KeyError) as error:
+        raise GeometryError(f"{target}: no format for this ending ({error})") from None
+    return target
+
+
+def export(path: str | os.PathLike[str], output: str | os.PathLike[str], **reading: Any) -> list[Path]:
+    """Turn results or a drawing into another kind of file, by the ending of its name.
+
+    Results (.npz) become .html, .csv, .nc, .pvd (with its .vtu files beside it), .stl, .obj, .ply, .glb, .gltf or .fold;
+    drawings become .dxf, .svg, .geojson or .fold.
+
+    Parameters
+    ----------
+    path : path
+        What to turn.
+    output : path
+        What to write.
+    **reading
+        Options of the reader of a drawing.
+
+    Returns
+    -------
+    list of Path
+        What was written.
+
+    Raises
+    ------
+    GeometryError, AnalysisError
+        The file cannot be read, or there is no such kind of output.
+
+    Examples
+    --------
+    >>> import shapely, tempfile
+    >>> folder = Path(tempfile.mkdtemp())
+    >>> file = write_drawing(kg.Sheet(shapely.box(0, 0, 0.2, 0.1)), folder / "plate.geojson")
+    >>> [made.name for made in export(file, folder / "plate.fold")]
+    ['plate.fold']
+    """
+    target = Path(output)
+    if Path(path).suffix.lower() != ".npz":
+        return [write_drawing(read_drawing(path, **{**reading, "unit": "m"}), target)]
+    results = kg.load(path)
+    ending = target.suffix.lower()
+    if ending == ".html":
+        from kirigami.io.html import to_html
+
+        return [to_html(results, target)]
+    if ending == ".csv":
+        from kirigami.io.table import to_csv
+
+        return [to_csv(results, target)]
+    if ending == ".nc":
+        with whole_file(target) as unfinished:
+            results.to_xarray().to_netcdf(unfinished)
+        return [target]
+    if ending == ".pvd":
+        from kirigami.io.vtk import write_vtk
+
+        return write_vtk(results, target.parent, target.stem)
+    if ending == ".fold":
+        from kirigami.io.fold import write_fold
+
+        return [write_fold(results, target)]
+    from kirigami.io.surface import ENDINGS, write_surface
+
+    if ending in ENDINGS:
+        return [write_surface(results, target)]
+    kinds = ", ".join((".html", ".csv", ".nc", ".pvd", ".fold", *ENDINGS))
+    raise GeometryError(f"{target}: results are exported as {kinds}")
