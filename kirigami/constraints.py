@@ -38,7 +38,8 @@ def values_for(value: ArrayLike, count: int, owner: str) -> Array:
     array = np.asarray(value, dtype=float)
     if array.shape not in ((), (count,)) or not np.isfinite(array).all():
         raise ModelError(f"{owner}: give one finite number, or one for each of the {count} nodes, got {value!r}")
-    return np.broadcast_to(array, (count,)).copy()
+    values: Array = np.broadcast_to(array, (count,)).copy()
+    return values
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)

@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 Array = NDArray[np.float64]
 
 
-class Configuration(np.ndarray):
+class Configuration(np.ndarray[Any, np.dtype[np.float64]]):
     """Current node positions, shape (n, dim), that remember the displacement they came from.
 
     Small strains of a large sheet drown in the rounding of ``rest + displacement``; a kernel that measures strain

@@ -82,9 +82,9 @@ class NodalLoad(Load):
         return kernels
 
     def __repr__(self) -> str:
-        return "NodalLoad({} nodes, force=({:g}, {:g}, {:g}){})".format(
-            len(self.group), *self.force, ", constant=True" if self.constant else ""
-        )
+        x, y, z = self.force
+        constant = ", constant=True" if self.constant else ""
+        return f"NodalLoad({len(self.group)} nodes, force=({x:g}, {y:g}, {z:g}){constant})"
 
 
 class NodalLoadKernel(Kernel):

@@ -12,7 +12,7 @@ from kirigami.kernel import Array, full_hessian
 from kirigami.linalg import Factor, SingularMatrixError, factorize
 
 if TYPE_CHECKING:
-    from kirigami.system import System
+    from kirigami.system import Index, System
 
 FREE = 1e-14  # energy of a motion over that of its members one by one; rounding leaves about 1e-16
 
@@ -33,7 +33,7 @@ def rigid_motions(points: Array) -> tuple[Array, list[str]]:
     return np.array(fields), names
 
 
-def connected_parts(system: System) -> list[Array]:
+def connected_parts(system: System) -> list[Index]:
     """Node indices of each part that elements or ties hold together."""
     from scipy.sparse import coo_matrix
     from scipy.sparse.csgraph import connected_components
@@ -97,7 +97,7 @@ def free_rigid_motions(system: System) -> tuple[str, list[int], str] | None:
     return None
 
 
-def _resistance(system: System, motions: Array, at: Array) -> Array:
+def _resistance(system: System, motions: Array, at: Index) -> Array:
     """Rows whose squares sum to the energy that anchored kernels put against `motions` (m, dofs `at` of the part)."""
     full = np.zeros((len(motions), system.rest.size))
     full[:, at] = motions
@@ -110,7 +110,8 @@ def _resistance(system: System, motions: Array, at: Array) -> Array:
             members = fields[:, kernel.conn]
             energy += np.einsum("pnka,nklab,qnlb->pq", members, hessian, members)
     values, vectors = np.linalg.eigh(energy / system.stiffness_scale)
-    return np.sqrt(np.maximum(values, 0.0))[:, None] * vectors.T
+    rows: Array = np.sqrt(np.maximum(values, 0.0))[:, None] * vectors.T
+    return rows
 
 
 def check_floppy(system: System, matrix: Any, factor: Factor | None) -> None:

@@ -113,13 +113,25 @@ class Node:
         self.name = name
 
     # Coordinates are read-only so that a model always knows when its rest state changed: move nodes by Model.perturb.
-    x = property(lambda self: self._position[0], doc="x coordinate in the rest state.")
-    y = property(lambda self: self._position[1], doc="y coordinate in the rest state.")
-    z = property(lambda self: self._position[2], doc="z coordinate in the rest state.")
+    @property
+    def x(self) -> float:
+        """x coordinate in the rest state."""
+        return self._position[0]
+
+    @property
+    def y(self) -> float:
+        """y coordinate in the rest state."""
+        return self._position[1]
+
+    @property
+    def z(self) -> float:
+        """z coordinate in the rest state."""
+        return self._position[2]
 
     def __repr__(self) -> str:
         label = f", name={self.name!r}" if self.name else ""
-        return "Node({:.6g}, {:.6g}, {:.6g}{})".format(*self._position, label)
+        x, y, z = self._position
+        return f"Node({x:.6g}, {y:.6g}, {z:.6g}{label})"
 
 
 class ModelObject:
@@ -475,7 +487,8 @@ class Model:
         axes = len(limits) // 2
         slack = 1e-9 * (float(np.linalg.norm(np.ptp(x, axis=0))) or 1.0)
         part = x[:, :axes]
-        return np.all((part >= limits[:axes] - slack) & (part <= limits[axes:] + slack), axis=1)
+        inside: NDArray[np.bool_] = np.all((part >= limits[:axes] - slack) & (part <= limits[axes:] + slack), axis=1)
+        return inside
 
     def __str__(self) -> str:
         counts = Counter(type(item).__name__ for item in self.objects)

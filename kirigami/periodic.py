@@ -221,7 +221,7 @@ class PeriodicCell:
 
 
 def _relax(stiffness: Any, load: Array) -> Array:
-    """Fluctuations (free, k) that balance loads (free, k); nothing drives motions that cost nothing, so they are no harm."""
+    """Fluctuations (free, k) that balance loads (free, k); motions that cost nothing are driven by nothing."""
     from scipy.sparse import identity
 
     from kirigami.linalg import SingularMatrixError, factorize

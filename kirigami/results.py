@@ -459,7 +459,7 @@ class Results:
         The file is written under another name and then renamed, so that no broken file is left behind.
         """
         target = Path(path)
-        arrays: dict[str, Array] = {"rest": self.rest, "constrained": self.constrained, "u": self.u, "lam": self.lam}
+        arrays: dict[str, Any] = {"rest": self.rest, "constrained": self.constrained, "u": self.u, "lam": self.lam}
         kernels = []
         for position, kernel in enumerate(self.kernels):
             plain: dict[str, Any] = {}

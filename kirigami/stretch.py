@@ -170,10 +170,11 @@ def stretch(
         model.perturb(kg.Eigen(model, n=1).run()[0], amplitude=bump)
     targets = [0.002, 0.005, 0.01, 0.02, 0.05, *np.linspace(0.1, 1.0, 10).tolist()]
     results = kg.DisplacementControl(model, targets=targets).run(progress=progress, on_failure="return")
+    grips = f"strips of {units.show(held, 'length')}" if held else "edges"
     notes = (
         *drawn.notes,
         f"thickness {units.show(thick, 'length')}, E {units.show(modulus, 'stress')}, nu {nu:g}",
-        f"{'edges' if not held else 'strips of ' + units.show(held, 'length')} held at the {' and '.join(SIDES[direction])}",
+        f"{grips} held at the {' and '.join(SIDES[direction])}",
         f"mesh edges up to {units.show(edge, 'length')}, imperfection {units.show(bump, 'length')} (softest mode)",
         *(str(event) for event in results.events),
     )

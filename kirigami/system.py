@@ -98,7 +98,7 @@ class System:
 
     @staticmethod
     def _lower(numbering: Numbering) -> list[Kernel]:
-        by_type: dict[type, list[Any]] = {}
+        by_type: dict[type[ModelObject], list[Any]] = {}
         for item in numbering.model.objects:
             by_type.setdefault(type(item), []).append(item)
         return [kernel for cls, items in by_type.items() for kernel in cls.lower(items, numbering)]
@@ -210,7 +210,7 @@ class System:
 
     def displacement(self, q: Array, lam: float) -> Array:
         """Displacements (n, dim) for unknowns `q` (free,) at load factor `lam`."""
-        u = lam * self.drive + self.held
+        u: Array = lam * self.drive + self.held
         moving = self.unknown >= 0
         u[moving] += q[self.unknown[moving]]
         return u.reshape(self.rest.shape)
@@ -238,7 +238,7 @@ class System:
     def reduce(self, full: Array) -> Array:
         """Sum a force-like field (n, dim) onto the unknowns (free,)."""
         moving = self.unknown >= 0
-        return np.bincount(self.unknown[moving], weights=full.ravel()[moving], minlength=self.free)
+        return np.asarray(np.bincount(self.unknown[moving], full.ravel()[moving], self.free), dtype=float)
 
     # ---- evaluation
 

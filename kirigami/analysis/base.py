@@ -82,3 +82,12 @@ def make_step(system: System, u: Array, lam: float, negative: int | None, residu
 
 def checked_number(value: Any, name: str, owner: str, positive: bool = False) -> float:
     return require_positive(value, name, owner) if positive else require_finite(value, name, owner)
+
+
+def require_drive(system: System, owner: str, constant_counts: bool = False) -> None:
+    """Raise a ModelError where nothing acts on the structure."""
+    if system.drive.any() or any(kernel.scaled for kernel in system.kernels):
+        return
+    if constant_counts and (system.held.any() or any(kernel.pairs == () for kernel in system.kernels)):
+        return
+    raise ModelError(f"{owner}: nothing drives the model; add a NodalLoad, or a Prescribe with a value other than zero")

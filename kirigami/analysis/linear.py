@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from kirigami.analysis.base import Analysis, make_step
+from kirigami.analysis.base import Analysis, make_step, require_drive
 from kirigami.model import Model
 from kirigami.results import Results
 
@@ -42,8 +42,6 @@ class LinearStatic(Analysis):
 
     def run(self) -> Results:
         """Solve; step 0 has load factor 0 (constant loads only), step 1 load factor 1."""
-        from kirigami.analysis.path import require_drive
-
         system, results = self._begin(linear=True)
         require_drive(system, "LinearStatic", constant_counts=True)
         system.check_supports()

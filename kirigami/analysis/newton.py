@@ -21,7 +21,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -29,7 +29,7 @@ from kirigami.kernel import Array
 from kirigami.linalg import Factor, SingularMatrixError
 
 if TYPE_CHECKING:
-    from kirigami.analysis.path import Control
+    from kirigami.analysis.control import Control
     from kirigami.system import System
 
 ROTATION_CAP = 0.3  # largest turn of a member in one correction [rad]
@@ -68,6 +68,20 @@ class Tangent:
     blocks: Array
     factor: Factor
     rate: Array
+
+
+@dataclass
+class Point:
+    """An accepted equilibrium: its state, its exact tangent, and the history of the kernels there."""
+
+    state: State
+    tangent: Tangent
+    history: Any
+
+    @property
+    def negative(self) -> int:
+        """Number of negative eigenvalues of the tangent."""
+        return self.tangent.factor.negative
 
 
 def correct(

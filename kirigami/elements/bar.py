@@ -182,7 +182,7 @@ class BarKernel(Kernel):
     def deformation_rate(self, x: Array, change: Array) -> Array:
         """First-order change of the strain (n,) for a displacement change (n_nodes, dim)."""
         vector, _, length = self._vectors(x)
-        stretching = (vector.T * (change[self.conn[:, 1]] - change[self.conn[:, 0]])).sum(axis=1)
+        stretching: Array = (vector.T * (change[self.conn[:, 1]] - change[self.conn[:, 0]])).sum(axis=1)
         return stretching / (self.rest_length * (self.rest_length if self.strain == "green" else length))
 
     def force(self, strain: Array) -> Array:

@@ -118,7 +118,8 @@ def _wing_vectors(points: Array, conn: NDArray[np.int64]) -> tuple[Array, Array,
 
 
 def _dot(a: Array, b: Array) -> Array:
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+    product: Array = a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+    return product
 
 
 def _cross(a: Array, b: Array) -> Array:
@@ -188,7 +189,8 @@ class BendHingeKernel(Kernel):
     def deformation_rate(self, x: Array, change: Array) -> Array:
         """First-order change of the angle (n,) for a displacement change (n_nodes, 3)."""
         _, gradient = self._first_derivatives(*self._vectors(x))
-        return np.einsum("akn,nka->n", gradient, change[self.conn])
+        rate: Array = np.einsum("akn,nka->n", gradient, change[self.conn])
+        return rate
 
     def force(self, angle: Array) -> Array:
         """Moment of each hinge (n,), positive where it is folded beyond its rest angle."""
@@ -199,7 +201,7 @@ class BendHingeKernel(Kernel):
         """Per wing (h, beta, t, n, inverse length), and the gradient of the angle, shape (3, 4, n)."""
         inverse_length = 1 / np.sqrt(_dot(edge, edge))
         unit = edge * inverse_length
-        wings = []
+        wings: list[tuple[Array, ...]] = []
         gradient = np.zeros((3, 4, edge.shape[1]))
         for wing, node, side in ((wing_i, 0, 1.0), (wing_l, 3, -1.0)):
             height, beta, t = _wing(edge, wing)

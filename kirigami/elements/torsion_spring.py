@@ -101,7 +101,8 @@ def _arms(points: Array, conn: NDArray[np.int64]) -> tuple[Array, Array]:
 
 def _quarter_turn_over_square(arm: Array) -> Array:
     """Gradient N a / |a|^2 of the direction angle of an arm."""
-    return np.stack([-arm[1], arm[0]]) / (arm[0] ** 2 + arm[1] ** 2)
+    gradient: Array = np.stack([-arm[1], arm[0]]) / (arm[0] ** 2 + arm[1] ** 2)
+    return gradient
 
 
 def _direction_hessian(arm: Array) -> Array:
@@ -162,7 +163,8 @@ class TorsionSpring3Kernel(Kernel):
 
     def deformation_rate(self, x: Array, change: Array) -> Array:
         """First-order change of the angle (n,) for a displacement change (n_nodes, 2)."""
-        return np.einsum("akn,nka->n", self._angle_gradient(*self._current_arms(x)), change[self.conn])
+        rate: Array = np.einsum("akn,nka->n", self._angle_gradient(*self._current_arms(x)), change[self.conn])
+        return rate
 
     def force(self, angle: Array) -> Array:
         """Moment of each spring (n,), positive where the angle is above its rest value."""

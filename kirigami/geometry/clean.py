@@ -1,8 +1,8 @@
 """The wall between drawings and the mesh generator: checks, repairs, and errors that say where and why.
 
-A drawing passes as a planar graph whose edges meet only in end points and separate sheet from void or are slits; the mesh
-generator can do nothing wrong with it. Everything happens in a unit frame, in which the sheet is about one in size, so that
-metres and millimetres give the same mesh.
+A drawing passes as a planar graph whose edges meet only in end points and separate sheet from void or are slits; the
+mesh generator can do nothing wrong with it. Everything happens in a unit frame, in which the sheet is about one in
+size, so that metres and millimetres give the same mesh.
 """
 
 from __future__ import annotations
@@ -329,8 +329,8 @@ class _Report:
         if not self.filled.covers(place):
             x0, y0, x1, y1 = self.filled.bounds
             raise GeometryError(
-                f"{where} lies outside the sheet, which spans x {x0:.6g} to {x1:.6g} and y {y0:.6g} to {y1:.6g}; remove "
-                "it or check its units"
+                f"{where} lies outside the sheet, which spans x {x0:.6g} to {x1:.6g} and y {y0:.6g} to {y1:.6g}; "
+                "remove it or check its units"
             )
 
     def _touching_holes(self) -> list[int]:

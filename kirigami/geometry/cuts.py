@@ -1,7 +1,7 @@
 """Cut patterns: each generator returns shapely geometry, ready for `kirigami.Sheet`.
 
-Lines are slits without width; with an ``opening`` every slit becomes a polygon of that width. The patterns fill a rectangle
-of ``width`` by ``height`` that starts at ``(0, margin)``, so that the sheet with its grip strips is
+Lines are slits without width; with an ``opening`` every slit becomes a polygon of that width. The patterns fill a
+rectangle of ``width`` by ``height`` that starts at ``(0, margin)``, so that the sheet with its grip strips is
 ``shapely.box(0, 0, width, height + 2 * margin)``. Slits that reach the sides are cut off exactly there.
 """
 
@@ -34,10 +34,11 @@ def curved_cells(
     """Rows of sine arcs, bent up and down in turn and shifted by half a cell; stretched along y, the cells open.
 
     With the cell width ``P = width / cells_across``, an arc spans ``length = P length_ratio / (1 + length_ratio)`` and
-    leaves the gap ``length / length_ratio`` to the next of its row. With the rise ``depth = depth_ratio * spacing`` of an
-    arc, the rows are ``depth + spacing`` apart and fill the height:
+    leaves the gap ``length / length_ratio`` to the next of its row. With the rise ``depth = depth_ratio * spacing`` of
+    an arc, the rows are ``depth + spacing`` apart and fill the height:
     ``height = cells_along (depth + spacing) + depth``. Arcs bent up stand at the centres of the cells, arcs bent down
-    between them, with half arcs at the sides (Khawale et al., Rapid kirigami simulation using the bar and hinge approach).
+    between them, with half arcs at the sides (Khawale et al., "Rapid kirigami simulation using the bar and hinge
+    approach").
 
     Parameters
     ----------
@@ -118,8 +119,8 @@ def parallel_slits(
 ) -> list[BaseGeometry]:
     """Rows of straight slits along x, every other row shifted by half the distance between slits.
 
-    With one column this is the ribbon with slits from the centre and from both sides in turn. The ligaments between slits
-    of a row are ``width / columns - length`` wide, the rows ``height / rows`` apart.
+    With one column this is the ribbon with slits from the centre and from both sides in turn. The ligaments between
+    slits of a row are ``width / columns - length`` wide, the rows ``height / rows`` apart.
 
     Parameters
     ----------

@@ -70,7 +70,7 @@ class TriMesh:
     material : Material, optional
         Material of the sheet, passed on to the model.
     cuts : sequence of CutLoop, optional
-        The cuts. Without it every boundary loop other than the outer one is a cut, from bottom to top and left to right.
+        The cuts. Without it every boundary loop but the outer one is a cut, from bottom to top and left to right.
 
     Raises
     ------

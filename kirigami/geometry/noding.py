@@ -1,15 +1,16 @@
 """Noding with a tolerance: line work in, a planar graph out in which nothing crosses, touches or nearly does.
 
 Mesh generators need line work that meets only in shared end points. Drawings are not like that: cuts cross, end on one
-another, miss by a rounding error or lie on top of each other. Three rules, repeated until none applies, repair all of it:
+another, miss by a rounding error or lie on top of each other. Three rules, repeated until none applies, repair it all:
 
 1. points closer than the tolerance become one point;
 2. a point that an edge passes closer than half the tolerance becomes a point of that edge;
 3. two edges that cross are split at the crossing.
 
 What was drawn first stays where it is: the end of a cut moves onto the outline that it almost reaches, and the outline
-remains straight. Every new point is farther than the tolerance from all others, which bounds their number; and with half
-the tolerance in rule 2, no flat triangle can ask for each of two sides to be led over the other, which would never end.
+remains straight. Every new point is farther than the tolerance from all others, which bounds their number; and with
+half the tolerance in rule 2, no flat triangle can ask for each of two sides to be led over the other, which would never
+end.
 """
 
 from __future__ import annotations

@@ -67,8 +67,8 @@ def triangulate_drawing(drawing: Drawing, max_edge: float, cut_edge: float, min_
     facets = _expected_facets(drawing, is_cut, max_edge, cut_edge)
     if facets > MAX_FACETS:
         raise GeometryError(
-            f"max_edge = {max_edge * drawing.frame.size:.4g} and cut_edge = {cut_edge * drawing.frame.size:.4g} ask for "
-            f"about {facets:.1e} facets; the limit is {MAX_FACETS:.0e}. Take longer edges"
+            f"max_edge = {max_edge * drawing.frame.size:.4g} and cut_edge = {cut_edge * drawing.frame.size:.4g} ask "
+            f"for about {facets:.1e} facets; the limit is {MAX_FACETS:.0e}. Take longer edges"
         )
     points, segments, labels, boundary = [drawing.points], [], [], []
     lengths = np.linalg.norm(drawing.points[drawing.edges[:, 1]] - drawing.points[drawing.edges[:, 0]], axis=1)
@@ -190,8 +190,8 @@ def _refined(start: Triangulation, size: SizeField, min_angle: float, limit: int
 def _smoothed(made: Triangulation, size: SizeField) -> Triangulation:
     """Move free points to where the circumcentres of the facets round them balance, then restore Delaunay.
 
-    This is optimal Delaunay triangulation (Chen and Holst 2011), with facets weighted for graded sizes. It goes on while
-    the mean of the smallest angles grows.
+    This is optimal Delaunay triangulation (Chen and Holst 2011), with facets weighted for graded sizes. It goes on
+    while the mean of the smallest angles grows.
     """
     fixed = np.zeros(len(made.points), bool)
     fixed[made.segments] = True

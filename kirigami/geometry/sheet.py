@@ -106,10 +106,10 @@ class Sheet:
         cut_edge : float, optional
             Longest edge along the cuts, 0.4 ``max_edge`` unless given; in between the length grows gradually.
         min_angle : float
-            Smallest wanted angle in degrees, at most 33; kept to within a degree unless the drawing has sharper corners.
+            Smallest wanted angle in degrees, at most 33; kept unless the drawing has sharper corners.
         lines : mapping of str to geometry, or sequence of geometries
-            Lines that are to be mesh edges without being cut, for example the edge of a grip. The nodes on a line with a
-            name become the node set of that name.
+            Lines that are to be mesh edges without being cut, for example the edge of a grip. The nodes on a line with
+            a name become the node set of that name.
         snap : float, optional
             Length below which details of the drawing close: points nearer than this become one, and ends of cuts that
             miss by less than half of it are moved onto what they nearly touch. Unless given, ``cut_edge / 200`` but not

@@ -1,8 +1,9 @@
 """The mesh generator behind one function: planar line work in, triangles out.
 
-This is the only file that knows Jonathan Shewchuk's Triangle, so that another generator can take its place. Triangle ends
-the whole process on a repeated point, and on some points that mark a hole, and silently returns nonsense for coordinates
-that are not finite. So it gets line work from `kirigami.geometry.noding` only, and what is void is removed here.
+This is the only file that knows Jonathan Shewchuk's Triangle, so that another generator can take its place. Triangle
+ends the whole process on a repeated point, and on some points that mark a hole, and silently returns nonsense for
+coordinates that are not finite. So it gets line work from `kirigami.geometry.noding` only, and what is void is removed
+here.
 """
 
 from __future__ import annotations

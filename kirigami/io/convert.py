@@ -222,8 +222,8 @@ def write_mesh(mesh: kg.TriMesh, path: str | os.PathLike[str]) -> Path:
 def export(path: str | os.PathLike[str], output: str | os.PathLike[str], **reading: Any) -> list[Path]:
     """Turn results or a drawing into another kind of file, by the ending of its name.
 
-    Results (.npz) become .html, .csv, .nc, .pvd (with its .vtu files beside it), .stl, .obj, .ply, .glb, .gltf or .fold;
-    drawings become .dxf, .svg, .geojson or .fold.
+    Results (.npz) become .html, .csv, .nc, .pvd (its .vtu files go beside it), .stl, .obj, .ply, .glb, .gltf or
+    .fold; drawings become .dxf, .svg, .geojson or .fold.
 
     Parameters
     ----------

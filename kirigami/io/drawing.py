@@ -325,7 +325,8 @@ def chained(curves: Sequence[Curve], gap: float, notes: list[str]) -> list[Curve
 def _polygon(curve: Curve) -> Any:
     polygon = shapely.Polygon(curve.points)
     if not polygon.is_valid:
-        raise GeometryError(f"{curve.source} on layer {curve.layer!r} crosses itself: {shapely.is_valid_reason(polygon)}")
+        reason = shapely.is_valid_reason(polygon)
+        raise GeometryError(f"{curve.source} on layer {curve.layer!r} crosses itself: {reason}")
     return polygon
 
 

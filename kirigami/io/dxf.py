@@ -129,7 +129,8 @@ def _document(path: Path) -> Any:
         try:  # many programs write files that are not quite right
             return recover.readfile(path)[0]
         except Exception as error:  # noqa: BLE001
-            raise GeometryError(f"{path} is a broken DXF file: {str(first) or str(error) or 'it ends too early'}") from None
+            why = str(first) or str(error) or "it ends too early"
+            raise GeometryError(f"{path} is a broken DXF file: {why}") from None
 
 
 def _looks_like_dxf(path: Path) -> bool:
@@ -195,7 +196,7 @@ def _polyline(entity: Any, distance: float) -> Floats:
         corners, closed = list(entity.vertices_in_wcs()), entity.closed
         bulges = [point[4] for point in entity.get_points()]
     else:
-        # A fitted polyline keeps the control frame it was fitted to among its vertices (flag 16): not part of the curve.
+        # A fitted polyline keeps its control frame among its vertices (flag 16): not part of the curve.
         on_curve = [not vertex.dxf.flags & 16 for vertex in entity.vertices]
         corners = [corner for corner, kept in zip(entity.points_in_wcs(), on_curve) if kept]
         bulges = [vertex.dxf.bulge for vertex, kept in zip(entity.vertices, on_curve) if kept]

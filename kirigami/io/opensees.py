@@ -97,7 +97,8 @@ def main(path=None):
     for target in TARGETS:
         advance(target)
         ops.reactions()
-        rows.append([target] + [sum(ops.nodeReaction(n + 1, a) for n in group) for group in SETS.values() for a in (1, 2, 3)])
+        forces = [sum(ops.nodeReaction(n + 1, a) for n in group) for group in SETS.values() for a in (1, 2, 3)]
+        rows.append([target] + forces)
     lines = [",".join(header)] + [",".join(repr(float(value)) for value in row) for row in rows]
     print("\\n".join(lines))
     if path:

@@ -135,5 +135,5 @@ def checked_targets(targets: Sequence[float], owner: str) -> list[float]:
     """Load factors as a list of finite numbers, none of them repeated in a row."""
     listed = [float(target) for target in targets]
     if not listed or not np.isfinite(listed).all() or 0.0 in np.diff([0.0, *listed]):
-        raise ModelError(f"{owner}: targets must be finite load factors, each other than the one before, got {targets!r}")
+        raise ModelError(f"{owner}: targets must be finite load factors, none twice in a row, got {targets!r}")
     return listed

@@ -55,7 +55,7 @@ def read_svg(
     """Read outline, cuts and folds from an SVG file.
 
     Paths and all basic shapes are read, with transforms, symbols and style sheets; texts and images are not, and the
-    report counts them. The true size is taken from ``width``, ``height`` and ``viewBox``; a size in pixels has 96 to the
+    report counts them. The true size is that of ``width``, ``height`` and ``viewBox``; a size in pixels has 96 to the
     inch, 72 where Illustrator wrote the file and 90 where an Inkscape before 0.92 did. The y axis is turned upwards.
     Layers are named groups; an object may also carry the role in its own name. How layers and colours become roles is
     said at :func:`kirigami.io.dxf.read_dxf`.
@@ -195,7 +195,8 @@ def _user_space(root: Any, header: str, drawn_in: str | None, unit: str, notes: 
     if len(view) != 4 or view[2] <= 0 or view[3] <= 0:
         # Without a view box a user unit is a pixel, and the page is as high as `height` says.
         value, name = sizes[1] or (0.0, "")
-        view, scales = [0.0, 0.0, 1.0, value if name in ("", "px") else value * METRES[name] / METRES["in"] * per_inch], []
+        pixels = value if name in ("", "px") else value * METRES[name] / METRES["in"] * per_inch
+        view, scales = [0.0, 0.0, 1.0, pixels], []
     else:
         found = [(size[0] / extent, size[1]) for size, extent in zip(sizes, view[2:]) if size]
         scales = [(scale / per_inch, "") if name in ("", "px") else (scale, name) for scale, name in found]
@@ -347,7 +348,8 @@ def write_svg(
     lines = [
         '<?xml version="1.0" encoding="UTF-8"?>',
         f'<svg xmlns="http://www.w3.org/2000/svg" xmlns:inkscape="{LABEL[1:-6]}" version="1.1" {ORIGIN}="sheet"',
-        f'     width="{width!r}{drawn_in}" height="{height!r}{drawn_in}" viewBox="{left!r} {-top!r} {width!r} {height!r}">',
+        f'     width="{width!r}{drawn_in}" height="{height!r}{drawn_in}"',
+        f'     viewBox="{left!r} {-top!r} {width!r} {height!r}">',
     ]
     for layer, paths in groups.items():
         dash = f' stroke-dasharray="{5 * thin:.3g}"' if layer == "FOLDS" else ""

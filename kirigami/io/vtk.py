@@ -20,7 +20,8 @@ def write_vtk(results: Results, folder: str | os.PathLike[str], name: str = "ste
     Open the PVD file in ParaView. The points are the deformed positions; the rest state is ``points - displacement``.
     Point data: ``displacement`` [length], ``reaction`` [force], ``energy_density`` [force / length; energy per node
     without a mesh]. Cell data: ``strain`` of the facets (largest principal Green strain) where there is a mesh, else
-    ``force`` and ``strain`` of the bars. The time of a step is its load factor where that keeps growing, else its number.
+    ``force`` and ``strain`` of the bars. The time of a step is its load factor where that keeps growing, else its
+    number.
 
     Parameters
     ----------
@@ -101,7 +102,8 @@ def _collection(results: Results, files: list[Path]) -> str:
     lam = results.lam
     times = lam if np.all(np.diff(lam) > 0) else np.arange(len(lam))
     lines = [
-        f'    <DataSet timestep="{time:.17g}" group="" part="0" file="{file.name}"/>' for time, file in zip(times, files)
+        f'    <DataSet timestep="{time:.17g}" group="" part="0" file="{file.name}"/>'
+        for time, file in zip(times, files)
     ]
     head = '<?xml version="1.0"?>\n<VTKFile type="Collection" version="0.1" byte_order="LittleEndian">\n  <Collection>'
     return "\n".join([head, *lines, "  </Collection>", "</VTKFile>", ""])

@@ -67,8 +67,8 @@ def from_polygons(
             touched = len(set(owner[here].tolist()))
             if touched < 2:
                 raise GeometryError(
-                    f"from_polygons: the joint at {place_of(joint)} touches {touched} panel(s); a joint needs a corner of "
-                    "two panels there"
+                    f"from_polygons: the joint at {place_of(joint)} touches {touched} panel(s); a joint needs a corner "
+                    "of two panels there"
                 )
             leader[here] = here[0]
     kept, index = np.unique(leader, return_inverse=True)

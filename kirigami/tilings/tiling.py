@@ -87,7 +87,10 @@ class Tiling:
 
     def __init__(self, points: ArrayLike, panels: Iterable[Sequence[Any]], lattice: ArrayLike | None = None) -> None:
         put = object.__setattr__
-        put(self, "points", np.array(points, dtype=float))
+        try:
+            put(self, "points", np.array(points, dtype=float))
+        except (TypeError, ValueError):
+            raise GeometryError("Tiling: points must be numbers, of shape (v, 2)") from None
         if self.points.ndim != 2 or self.points.shape[1] != 2 or not np.isfinite(self.points).all():
             raise GeometryError(f"Tiling: points must be finite, of shape (v, 2), got shape {self.points.shape}")
         put(self, "lattice", None if lattice is None else np.array(lattice, dtype=float))
@@ -105,7 +108,10 @@ class Tiling:
     def _checked_panel(self, number: int, panel: Sequence[Any]) -> tuple[Corner, ...]:
         corners: list[Corner] = []
         for item in panel:
-            corner = (int(item), 0, 0) if isinstance(item, (int, np.integer)) else tuple(int(part) for part in item)
+            try:
+                corner = (int(item), 0, 0) if isinstance(item, (int, np.integer)) else tuple(int(part) for part in item)
+            except (TypeError, ValueError):
+                corner = ()
             if len(corner) != 3 or not 0 <= corner[0] < len(self.points) or (self.lattice is None and any(corner[1:])):
                 raise GeometryError(f"Tiling: panel {number} has the corner {item!r}, which is not in the tiling")
             corners.append(corner)
@@ -356,7 +362,7 @@ class Tiling:
             for rank, gap in enumerate(gaps[:share] if pair else gaps):
                 push = closing_moment / moment_per_turn * (1 - 2 * rank) if pair else 0.0
                 model.add(TorsionSpring3(
-                    nodes[gap.left], nodes[gap.pivot], nodes[gap.right], moment_per_turn / share,
+                    nodes[gap.left], nodes[gap.pivot], nodes[gap.right], moment_per_turn,
                     rest_angle=gap.angle + push if push else None,
                 ))  # fmt: skip
         return model
@@ -397,7 +403,7 @@ class Tiling:
             if gap.angle < minimum - CLOSED:
                 raise ModelError(
                     f"angle_limits: the gap at joint {gap.pivot} {place_of(self.vertices[gap.pivot])} is "
-                    f"{gap.angle:.6g} rad, already below the limit {minimum:.6g}: open the tiling further or lower the limit"
+                    f"{gap.angle:.6g} rad, already below the limit {minimum:.6g}: open the tiling further or lower it"
                 )
         at = model.nodes
         return [

@@ -235,3 +235,28 @@ def test_free_lattice_is_a_mechanism() -> None:
     model.add(kg.NodalLoad(model.nodes[0], (1, 0)))
     with pytest.raises(kg.MechanismError, match="rigid body"):
         kg.LinearStatic(model).run()
+
+
+def test_nonsense_is_refused_in_words() -> None:
+    for points, panels in (("abc", [[0, 1, 2]]), (SQUARE, [[0, 1, "x"]]), (SQUARE, [[0, 1, 9]]), (SQUARE, [[0, 0, 1]])):
+        with pytest.raises(kg.GeometryError, match="Tiling"):
+            tilings.Tiling(points, panels)
+
+
+@pytest.mark.parametrize("springs", ["one", "both"])
+def test_closing_moment_presses_the_narrow_gap_shut(springs: str) -> None:
+    """Turning the panel by a small angle costs moment times angle, more to open the narrow gap, less to close it."""
+    angle, moment, stiffness, turn = 0.4, 0.3, 2.0, 1e-6
+    c, s = np.cos(angle + np.pi / 2), np.sin(angle + np.pi / 2)
+    tiling = tilings.from_polygons([SQUARE, SQUARE @ np.array([[c, s], [-s, c]])])
+    (narrow,) = [gap for gap in tiling.gaps if abs(gap.angle - angle) < 1e-9]
+    second = tiling.polygons[1]
+    assert len(tiling.joints) == 1 and narrow.left in second
+    system = kg.System(tiling.model(EA=1.0, stiffness=stiffness, springs=springs, closing_moment=moment))
+    energies = []
+    for sense in (-1, 1):  # the second square turns about the origin, counter-clockwise to open the narrow gap
+        displacement = np.zeros((len(tiling.vertices), 2))
+        cos, sin = np.cos(sense * turn), np.sin(sense * turn)
+        displacement[second] = tiling.vertices[second] @ np.array([[cos, sin], [-sin, cos]]) - tiling.vertices[second]
+        energies.append(system.energies(displacement)["springs"])
+    assert (energies[1] - energies[0]) / (2 * turn) == pytest.approx(moment, rel=1e-6)

@@ -185,7 +185,8 @@ def dxf(*entities: str) -> str:
     rows = ["0", "SECTION", "2", "ENTITIES"]
     for number, (layer, *at) in enumerate(entity.split() for entity in entities):
         rows += ["0", "LINE", "5", f"{0xA0 + number:X}", "8", layer]
-        rows += [value for pair in zip(("10", "20", "30", "11", "21", "31"), at[:2] + ["0.0"] + at[2:] + ["0.0"]) for value in pair]
+        values = [*at[:2], "0.0", *at[2:], "0.0"]
+        rows += [text for pair in zip(("10", "20", "30", "11", "21", "31"), values) for text in pair]
     return "\n".join([*rows, "0", "ENDSEC", "0", "EOF", ""])
 
 
@@ -213,7 +214,8 @@ BAD = {
     "no_curves.dxf": (dxf().replace("ENTITIES", "ENTITIES\n0\nPOINT\n8\n0\n10\n1.0\n20\n1.0"), "it holds 1 POINT"),
     "no_curves.svg": (svg("<text>hello</text>"), "it holds 1 text"),
     "open.dxf": (
-        dxf(*SQUARE[:3], "OUTLINE 0 8.9 0 0"), r"outline is open: from entity A0 .*\(0, 8.9\) and \(0, 9\), a gap of 0.1"
+        dxf(*SQUARE[:3], "OUTLINE 0 8.9 0 0"),
+        r"outline is open: from entity A0 .*\(0, 8.9\) and \(0, 9\), a gap of 0.1",
     ),
     "open.svg": (svg('\n<path id="outline" d="M0 0h9v9h-8"/>'), r"outline is open: from line 3 <path> 'outline'"),
     "two.svg": (
@@ -288,7 +290,8 @@ def test_unknown_units_are_named(tmp_path: Path) -> None:
 
 def test_near_duplicates_are_dropped_and_near_ends_joined(tmp_path: Path) -> None:
     path = tmp_path / "plate.dxf"
-    lines = ["CUTS 1 5 4 5", "CUTS 4 5.00001 1 5.00001", "CUTS 1 7 4 7", "CUTS 4.0001 7 6 7", "CUTS 1 8 4 8", "CUTS 1 8.1 4 8.1"]
+    lines = ["CUTS 1 5 4 5", "CUTS 4 5.00001 1 5.00001", "CUTS 1 7 4 7", "CUTS 4.0001 7 6 7"]
+    lines += ["CUTS 1 8 4 8", "CUTS 1 8.1 4 8.1"]
     path.write_text(dxf(*SQUARE, *lines))
     with pytest.warns(kg.KirigamiWarning, match="1 curves drawn twice, dropped: entity A5 .LINE. on entity A4"):
         drawing = read(path, drawn_in="m")

@@ -93,14 +93,15 @@ def test_page_in_a_browser(case: str, tmp_path: Path, request: pytest.FixtureReq
     """The page says what it shows, and the picture holds a coloured sheet; without a network."""
     results = request.getfixturevalue(case)
     page = to_html(results, tmp_path / "page.html")
-    options = ["--headless=new", "--no-sandbox", "--disable-gpu", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"]
-    options += ["--window-size=1200,800", "--virtual-time-budget=15000", "--host-resolver-rules=MAP * ~NOTFOUND"]
+    options = ["--headless=new", "--no-sandbox", "--disable-gpu", "--use-angle=swiftshader"]
+    options += ["--enable-unsafe-swiftshader", "--window-size=1200,800", "--virtual-time-budget=15000", "--host-resolver-rules=MAP * ~NOTFOUND"]
     address = f"{page.as_uri()}?frame=1"
-    run = subprocess.run([BROWSER, *options, "--dump-dom", address], capture_output=True, text=True, timeout=120, check=False)
+    start = {"capture_output": True, "text": True, "timeout": 120, "check": True}
+    run = subprocess.run([BROWSER, *options, "--dump-dom", address], **start)
     assert 'data-ready="yes"' in run.stdout
     assert f"step 1 of {len(results) - 1}, load factor {results.lam[1]:.5g}" in run.stdout
     picture = tmp_path / "page.png"
-    subprocess.run([BROWSER, *options, f"--screenshot={picture}", address], capture_output=True, timeout=120, check=True)
+    subprocess.run([BROWSER, *options, f"--screenshot={picture}", address], **start)
     image = pytest.importorskip("matplotlib.image").imread(picture)[100:600, :640, :3]
     colored = np.ptp(image, axis=2) > 0.15
     assert colored.mean() > (0.02 if case == "strip" else 0.002)
@@ -109,7 +110,12 @@ def test_page_in_a_browser(case: str, tmp_path: Path, request: pytest.FixtureReq
 # ------------------------------------------------------------------------------------------- surfaces
 
 
-@pytest.mark.parametrize("ending, near", [(".stl", 1e-6), (".obj", 1e-9), (".ply", 1e-6), (".glb", 1e-6), (".gltf", 1e-6)])
+SINGLE, DOUBLE = 1e-6, 1e-9  # precision of the format
+
+
+@pytest.mark.parametrize(
+    "ending, near", [(".stl", SINGLE), (".obj", DOUBLE), (".ply", SINGLE), (".glb", SINGLE), (".gltf", SINGLE)]
+)
 def test_surfaces_are_read_back(ending: str, near: float, strip: kg.Results, tmp_path: Path) -> None:
     trimesh = pytest.importorskip("trimesh")
     path = write_surface(strip, tmp_path / f"strip{ending}")

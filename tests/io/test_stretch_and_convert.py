@@ -32,7 +32,8 @@ DRAWINGS = Path(__file__).parents[1] / "data" / "drawings"
     [
         ("0.1mm", "length", 1e-4), ("0.1 mm", "length", 1e-4), ("2in", "length", 0.0508), ("3", "length", 3.0),
         (0.25, "length", 0.25), ("50um", "length", 5e-5), ("1e-3 m", "length", 1e-3), ("3.5GPa", "stress", 3.5e9),
-        ("70 N/mm^2", "stress", 70e6), ("10 ksi", "stress", 68947572.93168), ("20%", "ratio", 0.2), ("-.5 %", "ratio", -0.005),
+        ("70 N/mm^2", "stress", 70e6), ("10 ksi", "stress", 68947572.93168), ("20%", "ratio", 0.2),
+        ("-.5 %", "ratio", -0.005),
         ("1.39 g/cm³", "density", 1390.0),
     ],
 )  # fmt: skip
@@ -57,7 +58,8 @@ def test_quantities_that_make_no_sense(text: str, kind: str, message: str) -> No
 
 
 def test_what_is_shown_is_read_back() -> None:
-    for kind, values in (("length", [1e-7, 3e-5, 1e-4, 0.012, 0.3, 24.0]), ("stress", [12.0, 5e4, 3e6, 3.5e9]), ("ratio", [0.2, 3])):
+    written = {"length": [1e-7, 3e-5, 1e-4, 0.012, 0.3, 24.0], "stress": [12.0, 5e4, 3e6, 3.5e9], "ratio": [0.2, 3]}
+    for kind, values in written.items():
         for value in values:
             assert units.parse(units.show(value, kind), kind) == pytest.approx(value, rel=1e-6)
 
@@ -100,7 +102,8 @@ def test_report_folder(tmp_path: Path) -> None:
     skipped: list[str] = []
     files = write_report(report, tmp_path / "out", say=skipped.append)
     assert all(file.stat().st_size > 0 for file in files)
-    assert {"report.json", "curves.csv", "results.npz", "rest.png", "deformed.png", "force.png"} <= {f.name for f in files}
+    always = {"report.json", "curves.csv", "results.npz", "rest.png", "deformed.png", "force.png"}
+    assert always <= {file.name for file in files}
     found = {entry for entry in (tmp_path / "out").rglob("*") if entry.is_file()}
     assert found == set(files)
     said = json.loads((tmp_path / "out" / "report.json").read_text())
@@ -128,7 +131,8 @@ def test_wrong_requests(change: dict, message: str) -> None:
 
 def test_doubts_are_said() -> None:
     with pytest.warns(kg.KirigamiWarning, match="outside what sheets are made of"):
-        stretch(Drawing(shapely.box(0, 0, 0.1, 0.1), ()), thickness=1e-4, E=3.5, strain=1e-4, max_edge=0.05, imperfection=0)
+        plate = Drawing(shapely.box(0, 0, 0.1, 0.1), ())
+        stretch(plate, thickness=1e-4, E=3.5, strain=1e-4, max_edge=0.05, imperfection=0)
 
 
 # ------------------------------------------------------------------------------------------- convert
@@ -179,5 +183,6 @@ def test_drawings_keep_their_size_from_format_to_format(tmp_path: Path) -> None:
     export(tmp_path / "b.fold", tmp_path / "c.geojson")
     last = read_drawing(tmp_path / "c.geojson")
     assert last.outline.symmetric_difference(first.outline).area < 1e-12
-    assert shapely.hausdorff_distance(shapely.GeometryCollection(last.cuts), shapely.GeometryCollection(first.cuts)) < 1e-10
+    cuts = [shapely.GeometryCollection(drawing.cuts) for drawing in (first, last)]
+    assert shapely.hausdorff_distance(*cuts) < 1e-10
     assert info(tmp_path / "c.geojson")["folds"] == 1

@@ -1,0 +1,88 @@
+"""Increments of the path parameter: first size, growth, cutbacks, exact hits of targets."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from kirigami.analysis.newton import Attempt
+from kirigami.errors import ModelError
+
+WANTED_ITERATIONS = 6  # increments grow or shrink towards this many corrections
+SHORT = 0.02  # share of the largest increment below which one counts as short
+DRIFT_WANTED = 0.05  # turn of a member by which corrections leave the prediction: steers the increments [rad]
+
+
+class Increments:
+    """Increments of the parameter: first size, growth, cutbacks, and exact hits of targets."""
+
+    def __init__(
+        self, first: float, largest: float, smallest: float, targets: Sequence[float] = (), origin: float = 0.0
+    ) -> None:
+        self.size, self.largest, self.smallest = abs(first), abs(largest), abs(smallest)
+        self.targets = list(targets)  # in the order they are met; the last one ends the walk
+        self.origin = origin
+        self.sense = 1.0
+
+    def next_increment(self, value: float) -> float | None:
+        """Signed increment from the parameter `value`, or None at the end."""
+        if not self.targets:
+            return self.size
+        while self.targets and abs(self.targets[0] - value) <= 1e-12 * max(abs(self.targets[0]), abs(value)):
+            if len(self.targets) == 1:
+                return None
+            self.targets.pop(0)
+        remaining = self.targets[0] - value
+        self.sense = float(np.sign(remaining))
+        if abs(remaining) <= 1.0001 * self.size:
+            return remaining
+        if abs(remaining) < 2 * self.size:  # two even increments instead of a whole one and a splinter
+            return 0.5 * remaining
+        return self.sense * self.size
+
+    def cut(self, increment: float) -> float | None:
+        """A shorter increment after a failure, or None if it was the shortest."""
+        if abs(increment) <= self.smallest:
+            return None
+        self.size = max(0.35 * abs(increment), self.smallest)
+        return float(np.sign(increment)) * self.size
+
+    def is_short(self, increment: float) -> bool:
+        """Whether an increment is far below the largest allowed."""
+        return abs(increment) < SHORT * self.largest
+
+    def adapt(self, increment: float, attempt: Attempt) -> None:
+        """Next size from how hard the last increment was, and how far the corrections led away from the prediction."""
+        growth = (WANTED_ITERATIONS / max(attempt.iterations, 1)) ** 1.5
+        if attempt.relaxed:
+            growth = 1.0
+        elif attempt.drift > 0:
+            growth = min(growth, (DRIFT_WANTED / attempt.drift) ** 0.5)  # the drift grows with the square
+        growth = float(np.clip(growth, 0.5, 2.5))
+        # A short increment that only served to hit a target says nothing about the size to go on with.
+        base = abs(increment) if growth < 1 or abs(increment) > 0.99 * self.size else self.size
+        self.size = min(max(base * growth, self.smallest), self.largest)
+
+    def progress(self, value: float) -> float | None:
+        """Share of the walk done, where its end is known."""
+        if not self.targets:
+            return None
+        span = self.targets[-1] - self.origin
+        return (value - self.origin) / span if span else 1.0
+
+
+def ordered_targets(targets: ArrayLike | None, begin: float, to: float, owner: str) -> list[float]:
+    """Targets between `begin` and `to`, in the order they are met, ending in `to`."""
+    if targets is None:
+        return [to]
+    values = np.atleast_1d(np.asarray(targets, dtype=float))
+    if values.ndim != 1 or not np.isfinite(values).all():
+        raise ModelError(f"{owner}: targets must be a list of finite numbers")
+    low, high = min(begin, to), max(begin, to)
+    outside = values[(values < low) | (values > high)]
+    if outside.size:
+        raise ModelError(f"{owner}: target {outside[0]:g} lies outside the range {begin:g} to {to:g} of this run")
+    ordered = sorted(set(values.tolist()) | {to}, reverse=to < begin)
+    return ordered

@@ -1,0 +1,312 @@
+"""The walk along a path, common to all path methods: predict, correct, accept or cut back, store.
+
+The path is walked in increments of the control's own parameter: predicted along the exact tangent of the last
+equilibrium, corrected, accepted or cut back. A stored step is always a converged equilibrium; how many eigenvalues
+are negative there is stored with it.
+"""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Callable, Iterable
+from typing import NoReturn
+
+import numpy as np
+
+from kirigami.analysis.base import Analysis, checked_number, make_step
+from kirigami.analysis.control import ArcLengthControl, Control, LoadFactorControl
+from kirigami.analysis.events import report_events
+from kirigami.analysis.increments import Increments
+from kirigami.analysis.newton import Attempt, Point, State, Tangent, correct
+from kirigami.errors import ConvergenceError, KirigamiWarning, ModelError
+from kirigami.kernel import Array
+from kirigami.linalg import Factor, SingularMatrixError
+from kirigami.model import Model
+from kirigami.recorders import progress_bar
+from kirigami.results import Event, Results, Step
+from kirigami.system import System
+
+Recorder = Callable[[Step], None]
+
+ON_INSTABILITY = ("follow", "switch", "stop")
+MAX_ITERATIONS = 14
+MAX_RELAXATION = 120
+CUTS_FIRST = 3  # shorter increments tried by Newton's method before a relaxation, unless they are short already
+DRIFT_LARGEST = 0.25  # an equilibrium that far off the prediction may lie on another branch: the increment is cut [rad]
+PREDICTED_TURN = 0.5  # a prediction that turns a member by more is cut before it is tried [rad]
+
+
+class PathAnalysis(Analysis):
+    """Common part of the path methods; see :class:`LoadControl`, :class:`DisplacementControl`, :class:`ArcLength`."""
+
+    max_steps = 100_000
+
+    def __init__(self, model: Model, tol: float, start: Step | None, on_instability: str = "follow") -> None:
+        super().__init__(model)
+        owner = type(self).__name__
+        if on_instability not in ON_INSTABILITY:
+            raise ModelError(f"{owner}: on_instability must be one of {ON_INSTABILITY}, got {on_instability!r}")
+        self.on_instability = on_instability
+        self.tol = checked_number(tol, "tol", owner, positive=True)
+        if start is not None and not isinstance(start, Step):
+            raise ModelError(f"{owner}: start must be a Step, such as results[-1], got {start!r}")
+        self.start = start
+
+    # What the three methods differ in.
+
+    def _make_control(self, system: System) -> Control:
+        raise NotImplementedError
+
+    def _plan(self, control: Control, state: State, tangent: Tangent) -> Increments:
+        """Increments for the walk, once the starting state and its tangent are known."""
+        raise NotImplementedError
+
+    def _stops(self, step: Step) -> bool:
+        return False
+
+    # ---- the walk
+
+    def run(
+        self, progress: bool = False, recorders: Iterable[Recorder] = (), on_failure: str = "raise"
+    ) -> Results:
+        """Follow the path.
+
+        Parameters
+        ----------
+        progress : bool
+            Show a progress bar.
+        recorders : iterable of callables
+            Each is called with every stored :class:`Step`.
+        on_failure : {"raise", "return"}
+            What to do where no equilibrium is found: raise a ConvergenceError, or return the results so far with a
+            warning and an event.
+
+        Returns
+        -------
+        Results
+            Every accepted step. After Ctrl-C: those found until then, with an event that says so.
+
+        Raises
+        ------
+        ModelError, MechanismError
+            The model cannot be analysed as it is.
+        ConvergenceError
+            No equilibrium at the smallest increment; it carries the results so far.
+        """
+        if on_failure not in ("raise", "return"):
+            raise ModelError(f"on_failure must be 'raise' or 'return', got {on_failure!r}")
+        system, results = self._begin()
+        self.system, self.found, self._recorders = system, results, tuple(recorders)
+        self.control = self._make_control(system)
+        system.check_supports()
+        with progress_bar(progress, type(self).__name__) as self._bar:
+            try:
+                self._walk()
+            except KeyboardInterrupt:
+                lam = results.steps[-1].lam if results.steps else 0.0
+                message = f"interrupted after {len(results)} steps at load factor {lam:.6g}"
+                results.events.append(Event("interrupted", lam, len(results) - 1, message))
+                warnings.warn(message, KirigamiWarning, stacklevel=2)
+            except ConvergenceError as error:
+                self._finish(system, results)
+                if on_failure == "raise":
+                    raise
+                lam = results.steps[-1].lam if results.steps else 0.0
+                results.events.append(Event("failed", lam, len(results) - 1, str(error)))
+                warnings.warn(str(error), KirigamiWarning, stacklevel=2)
+        return self._finish(system, results)
+
+    def _walk(self) -> None:
+        system, control, results = self.system, self.control, self.found
+        point = self._first_equilibrium()
+        increments = self._plan(control, point.state, point.tangent)
+        self._bar.start(increments.progress(control.value(point.state.q, point.state.lam)))
+        for _ in range(self.max_steps):
+            if self._stops(results[-1]):
+                return
+            increment = increments.next_increment(control.value(point.state.q, point.state.lam))
+            if increment is None:
+                return
+            before = point
+            cuts = 0
+            while True:
+                attempt, tangent = self._step(before, increment, cuts >= CUTS_FIRST or increments.is_short(increment))
+                if tangent is not None:
+                    break
+                results.stats["cutbacks"] += 1
+                cuts += 1
+                system.history = before.history
+                shorter = increments.cut(increment)
+                if shorter is None:
+                    self._fail(attempt, increment)
+                increment = shorter
+            system.commit(attempt.state.u)
+            point = Point(attempt.state, tangent, system.history)
+            if isinstance(control, ArcLengthControl):
+                control.direction = point.state.u - before.state.u
+            self._store(point, attempt)
+            report_events(self, before, point, increment)
+            if self.on_instability == "stop" and point.negative:
+                return
+            increments.adapt(increment, attempt)
+            self._bar.move(increments.progress(control.value(point.state.q, point.state.lam)))
+
+    def _step(self, before: Point, increment: float, hard: bool) -> tuple[Attempt, Tangent | None]:
+        """One increment by Newton's method, and by relaxation where that is allowed and called for."""
+        attempt = self.try_increment(before, increment)
+        tangent = self.tangent_at(attempt)
+        relax = hard if tangent is None else tangent.factor.negative > 0
+        if self.on_instability == "switch" and relax:
+            relaxed = self._relax(before, increment)
+            relaxed_tangent = self.tangent_at(relaxed)
+            if relaxed_tangent is not None:
+                return relaxed, relaxed_tangent
+        return attempt, tangent
+
+    def _first_equilibrium(self) -> Point:
+        """Equilibrium at the starting load factor, stored as step 0."""
+        system, start = self.system, self.start
+        lam, u = 0.0, np.zeros_like(system.rest)
+        if start is not None:
+            if start.u.shape[0] != len(system.rest):
+                raise ModelError(f"start has {start.u.shape[0]} nodes, the model has {len(system.rest)}")
+            if start.stage == system.model.stage:
+                lam = start.lam
+            else:
+                system.start_stage(start.u)
+            error = system.constraint_error(start.u, lam)
+            if error > 1e-6 * system.size:
+                raise ModelError(
+                    f"start does not satisfy the constraints at load factor {lam:.6g} (off by {error:.3g}): "
+                    "after changing supports call model.hold(step), which keeps what the earlier stage drove"
+                )
+            u = start.u[:, : system.dim]
+            system.history = start.history
+        q = system.unknowns(u)
+        state = State(q, lam, system.displacement(q, lam))
+        if start is not None and not any(value is not None for value in start.history):
+            system.commit(state.u)
+        stay = LoadFactorControl()
+        stay.begin(state, 0.0)
+        self._first_factor(system, self.found, state.u, lam)
+        attempt = correct(system, self._new_factor, stay, state, self.tol, MAX_ITERATIONS, self._count)
+        if not attempt.converged:
+            attempt = correct(system, self._new_factor, stay, state, self.tol, MAX_RELAXATION, self._count, True)
+        tangent = self.tangent_at(attempt)
+        if tangent is None:
+            self._fail(attempt, 0.0)
+        system.commit(attempt.state.u)
+        point = Point(attempt.state, tangent, system.history)
+        self._store(point, attempt)
+        return point
+
+    def _predict(self, before: Point, increment: float) -> tuple[State, Array] | None:
+        """The state on the tangent, one increment on, and the change to it; None where the tangent leads nowhere."""
+        state, rate = before.state, before.tangent.rate
+        self.control.begin(state, increment)
+        step_lam = self.control.predict(increment, rate)
+        if not np.isfinite(step_lam):
+            return None
+        q, lam = state.q + step_lam * rate, state.lam + step_lam
+        u = self.system.displacement(q, lam)
+        return State(q, lam, u), u - state.u
+
+    def try_increment(self, before: Point, increment: float) -> Attempt:
+        """Predict along the tangent and correct by Newton's method."""
+        system = self.system
+        predicted = self._predict(before, increment)
+        if predicted is None:
+            return Attempt(before.state, False, float("inf"), 0, [], "the control does not act on the structure")
+        state, change = predicted
+        if system.largest_rotation(change) > PREDICTED_TURN:
+            return Attempt(before.state, False, float("inf"), 0, [], "the increment turns members too far")
+        system.linearize(before.state.u, change)
+        attempt = correct(system, self._new_factor, self.control, state, self.tol, MAX_ITERATIONS, self._count)
+        attempt.iterations += 1
+        attempt.drift = system.largest_rotation(attempt.state.u - state.u)
+        if attempt.converged and attempt.drift > DRIFT_LARGEST:
+            attempt.converged = False
+            attempt.reason = f"equilibrium found {attempt.drift:.2f} rad off the prediction, maybe on another branch"
+        return attempt
+
+    def _relax(self, before: Point, increment: float) -> Attempt:
+        """Run downhill from the last equilibrium, carried along with the drive, to a stable equilibrium."""
+        system = self.system
+        predicted = self._predict(before, increment)
+        assert predicted is not None  # the load factor itself is the parameter
+        state, change = predicted
+        if system.largest_rotation(change) > PREDICTED_TURN:
+            # The tangent shoots off near a limit point: move only what is driven, and let the rest follow.
+            q = before.state.q
+            state = State(q, state.lam, system.displacement(q, state.lam))
+            change = state.u - before.state.u
+        system.linearize(before.state.u, change)
+        attempt = correct(
+            system, self._new_factor, self.control, state, self.tol, MAX_RELAXATION, self._count, convex=True
+        )
+        attempt.iterations += 1
+        attempt.relaxed = True
+        return attempt
+
+    def tangent_at(self, attempt: Attempt) -> Tangent | None:
+        """The exact tangent at a converged state; None where the attempt failed or the tangent is singular."""
+        if not attempt.converged:
+            return None
+        system, state = self.system, attempt.state
+        blocks = system.stiffness_blocks(state.u, state.lam)
+        try:
+            factor = self._new_factor(blocks)
+            with system.clock("solve"):
+                rate = -factor.solve(system.load_rate(state.u, state.lam, blocks))
+        except SingularMatrixError as error:
+            attempt.reason = str(error)
+            return None
+        return Tangent(blocks, factor, rate)
+
+    def _new_factor(self, blocks: Array) -> Factor:
+        return self._factorize(self.system, self.found, self.system.matrix(blocks))
+
+    def _count(self) -> None:
+        self.found.stats["iterations"] += 1
+
+    def _store(self, point: Point, attempt: Attempt) -> None:
+        state = point.state
+        step = make_step(self.system, state.u, state.lam, point.negative, attempt.residual, attempt.iterations)
+        self.found.append(step)
+        for recorder in self._recorders:
+            recorder(step)
+
+    # ---- failure
+
+    def _fail(self, attempt: Attempt, increment: float) -> NoReturn:
+        system, results = self.system, self.found
+        total, _ = system.forces(attempt.state.u, attempt.state.lam)
+        unbalanced = np.zeros(system.rest.size)
+        moving = system.unknown >= 0
+        unbalanced[moving] = total.ravel()[moving]
+        size = np.linalg.norm(unbalanced.reshape(total.shape), axis=1)
+        worst = np.argsort(-np.nan_to_num(size, nan=np.inf), kind="stable")[:5].tolist()
+        where = f"after load factor {results.steps[-1].lam:.6g}" if results.steps else "at the start"
+        named = ", ".join(f"{k} {system.model.nodes[k]!r}" for k in worst[:3])
+        raise ConvergenceError(
+            f"no equilibrium found {where}, last increment {increment:.3g}: {attempt.reason or 'not converged'}; "
+            f"largest unbalanced forces at nodes {named}",
+            results=results,
+            history=attempt.history,
+            worst_nodes=worst,
+            hint=self._hint(attempt),
+        )
+
+    def _hint(self, attempt: Attempt) -> str:
+        negative = self.found.steps[-1].negative if self.found.steps else 0
+        if negative:
+            return (
+                "the last step is unstable: a slightly different imperfection (Model.perturb with a mode of Eigen) "
+                "lets the path take the stable branch"
+            )
+        if isinstance(self.control, LoadFactorControl) and not self.system.drive.any():
+            return "past a limit point no equilibrium exists at a higher load: use DisplacementControl or ArcLength"
+        return (
+            "a larger imperfection (Model.perturb), a smaller step, or ArcLength where the path turns back; "
+            "the results so far are in error.results"
+        )
