@@ -42,24 +42,24 @@ def cellular_sheet(constants: str) -> kg.Model:
 
 def main(names: list[str]) -> None:
     for name in names:
-        start = time.perf_counter()
+        start, start_cpu = time.perf_counter(), time.process_time()
         m = cellular_sheet(name)
         res = kg.DisplacementControl(m).run(progress=True)
-        wall = time.perf_counter() - start
+        wall, cpu = time.perf_counter() - start, time.process_time() - start_cpu
         top = m.select(where=lambda x, y, z: y > 2.3)
         matrix = kg.System(m).stiffness()
         once = []
         for _ in range(5):
-            begin = time.perf_counter()
+            begin = time.process_time()
             factorize(matrix)
-            once.append(time.perf_counter() - begin)
+            once.append(time.process_time() - begin)
         print(res.summary())
         print(
-            f"wall {wall:.1f} s with building, {len(res)} stored steps, {res.stats['factorizations']} factorizations, "
+            f"wall {wall:.1f} s and CPU {cpu:.1f} s with building, {len(res)} stored steps, {res.stats['factorizations']} factorizations, "
             f"largest relative residual {res.residual.max():.1e}, top force {res.reaction(top, 'y')[-1]:.1f}, "
             f"peak memory {resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024:.0f} MiB"
         )
-        print(f"one factorization {np.median(once):.3f} s (median of 5): the run cost {wall / np.median(once):.0f} of them\n")
+        print(f"one factorization {np.median(once):.3f} s (median of 5): the run cost {cpu / np.median(once):.0f} of them in CPU time\n")
 
 
 if __name__ == "__main__":

@@ -37,7 +37,7 @@ _HOME = {
     "Results": "results",
     "Step": "results",
     "Event": "results",
-    "load": "results",
+    "load": "storage",
     "KirigamiError": "errors",
     "GeometryError": "errors",
     "ModelError": "errors",
@@ -86,8 +86,8 @@ if TYPE_CHECKING:
     from kirigami.results import Event as Event
     from kirigami.results import Results as Results
     from kirigami.results import Step as Step
-    from kirigami.results import load as load
     from kirigami.stiffness import Calibration as Calibration
+    from kirigami.storage import load as load
     from kirigami.system import System as System
 
 

@@ -13,14 +13,13 @@ from contextlib import contextmanager
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from kirigami.assembly import BlockPlan, Index, PickPlan, scatter_add
 from kirigami.constraints import AXES
 from kirigami.errors import MechanismError, ModelError
 from kirigami.kernel import Array, Configuration, Kernel
-from kirigami.model import Model, Numbering
-
-Index = NDArray[np.int64]
+from kirigami.model import Model, ModelObject, Numbering
 
 
 class Clock:
@@ -91,8 +90,8 @@ class System:
             self._number(numbering)
             self._check_dangling(numbering)
             self._measure()
-        self._blocks_plan: _BlockPlan | None = None
-        self._pick_plan: _PickPlan | None = None
+        self._blocks_plan: BlockPlan | None = None
+        self._pick_plan: PickPlan | None = None
 
     # ---- lowering
 
@@ -318,7 +317,7 @@ class System:
         """Reduced stiffness matrix, scipy CSC (free, free), of assembled blocks."""
         with self.clock("assembly"):
             if self._pick_plan is None:
-                self._pick_plan = _PickPlan(self.plan, self.unknown, self.free, self.dim)
+                self._pick_plan = PickPlan(self.plan, self.unknown, self.free, self.dim)
             return self._pick_plan.matrix(blocks)
 
     def stiffness(self, u: ArrayLike | None = None, lam: float = 0.0, constrained: bool = True) -> Any:
@@ -338,13 +337,13 @@ class System:
         blocks = self.stiffness_blocks(state, lam)
         if constrained:
             return self.matrix(blocks)
-        return _PickPlan(self.plan, np.arange(self.rest.size), self.rest.size, self.dim).matrix(blocks)
+        return PickPlan(self.plan, np.arange(self.rest.size), self.rest.size, self.dim).matrix(blocks)
 
     @property
-    def plan(self) -> _BlockPlan:
+    def plan(self) -> BlockPlan:
         if self._blocks_plan is None:
             with self.clock("assembly plan"):
-                self._blocks_plan = _BlockPlan(self.kernels, len(self.rest))
+                self._blocks_plan = BlockPlan(self.kernels, len(self.rest))
         return self._blocks_plan
 
     def largest_rotation(self, change: Array) -> float:
@@ -401,86 +400,3 @@ class System:
         if found:
             motion, nodes, message = found
             raise MechanismError(message, motion=motion, nodes=nodes)
-
-
-def scatter_add(target: Array, conn: Index, values: Array) -> None:
-    """Add member values (n, k, dim) to the rows (dim columns) of `target` that `conn` (n, k) names."""
-    flat = conn.ravel()
-    for axis in range(target.shape[1]):
-        target[:, axis] += np.bincount(flat, weights=values[:, :, axis].ravel(), minlength=len(target))
-
-
-class _BlockPlan:
-    """Which node block each Hessian block of each kernel adds to."""
-
-    def __init__(self, kernels: list[Kernel], nodes: int) -> None:
-        diagonal = np.arange(nodes)
-        codes = [diagonal * nodes + diagonal]
-        flips = []
-        for kernel in kernels:
-            k = kernel.conn.shape[1]
-            pairs = np.array(np.triu_indices(k)).T if kernel.pairs is None else np.array(kernel.pairs, dtype=int).reshape(-1, 2)
-            first, second = kernel.conn.T[pairs[:, 0]].ravel(), kernel.conn.T[pairs[:, 1]].ravel()
-            codes.append(np.minimum(first, second) * nodes + np.maximum(first, second))
-            flips.append(first > second)
-        unique, inverse = np.unique(np.concatenate(codes), return_inverse=True)
-        self.count = len(unique)
-        self.low, self.high = unique // nodes, unique % nodes
-        sections = np.cumsum([len(code) for code in codes])[:-1]
-        self.slots = [
-            slots + flip * self.count for slots, flip in zip(np.split(inverse, sections)[1:], flips)
-        ]
-
-    def links(self, rest: Array) -> tuple[Index, Index, Array]:
-        """Joined node pairs and their distance."""
-        off = self.low != self.high
-        low, high = self.low[off], self.high[off]
-        distance = np.linalg.norm(rest[high] - rest[low], axis=1)
-        apart = distance > 0
-        return low[apart], high[apart], distance[apart]
-
-    def multiply(self, blocks: Array, vector: Array) -> Array:
-        """Product of the symmetric block matrix with a field (n, dim)."""
-        product = np.zeros_like(vector)
-        off = self.low != self.high
-        upper = np.einsum("abn,nb->na", blocks, vector[self.high])
-        lower = np.einsum("ban,nb->na", blocks[:, :, off], vector[self.low[off]])
-        scatter_add(product, self.low[:, None], upper[:, None])
-        scatter_add(product, self.high[off][:, None], lower[:, None])
-        return product
-
-
-class _PickPlan:
-    """Which entries of the node blocks make up each entry of the reduced CSC matrix."""
-
-    def __init__(self, plan: _BlockPlan, unknown: Index, size: int, dim: int) -> None:
-        block = np.arange(plan.count)
-        rows, columns, sources = [], [], []
-        for a in range(dim):
-            for b in range(dim):
-                row, column = unknown[plan.low * dim + a], unknown[plan.high * dim + b]
-                source = (a * dim + b) * plan.count + block
-                off = plan.low != plan.high
-                rows += [row, column[off]]
-                columns += [column, row[off]]
-                sources += [source, source[off]]
-        row, column, source = np.concatenate(rows), np.concatenate(columns), np.concatenate(sources)
-        kept = (row >= 0) & (column >= 0)
-        code = column[kept] * size + row[kept]
-        order = np.argsort(code, kind="stable")
-        code, self.source = code[order], source[kept][order]
-        new = np.flatnonzero(np.diff(code, prepend=-1))
-        self.starts = None if len(new) == len(code) else new  # ties put several entries in one place
-        self.indices = (code[new] % size).astype(np.int32)
-        self.indptr = np.searchsorted(code[new], np.arange(size + 1) * size).astype(np.int32)
-        self.size = size
-
-    def matrix(self, blocks: Array) -> Any:
-        from scipy.sparse import csc_matrix
-
-        data = blocks.reshape(-1)[self.source]
-        if self.starts is not None:
-            data = np.add.reduceat(data, self.starts) if len(data) else data
-        matrix = csc_matrix((data, self.indices, self.indptr), shape=(self.size, self.size))
-        matrix.indices, matrix.indptr = self.indices, self.indptr  # the same objects: solvers know the pattern by them
-        return matrix

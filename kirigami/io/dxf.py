@@ -122,13 +122,13 @@ def _document(path: Path) -> Any:
         raise GeometryError(f"{path} is empty")
     try:
         return ezdxf.readfile(path)
-    except Exception as first:  # noqa: BLE001
+    except Exception as first:
         # ezdxf lets many kinds of error out of a file that is cut off, StopIteration among them.
         if not _looks_like_dxf(path):
             raise GeometryError(f"{path} is no DXF file ({first})") from None
         try:  # many programs write files that are not quite right
             return recover.readfile(path)[0]
-        except Exception as error:  # noqa: BLE001
+        except Exception as error:
             why = str(first) or str(error) or "it ends too early"
             raise GeometryError(f"{path} is a broken DXF file: {why}") from None
 

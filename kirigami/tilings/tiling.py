@@ -362,7 +362,7 @@ class Tiling:
             for rank, gap in enumerate(gaps[:share] if pair else gaps):
                 push = closing_moment / moment_per_turn * (1 - 2 * rank) if pair else 0.0
                 model.add(TorsionSpring3(
-                    nodes[gap.left], nodes[gap.pivot], nodes[gap.right], moment_per_turn,
+                    nodes[gap.left], nodes[gap.pivot], nodes[gap.right], moment_per_turn / share,
                     rest_angle=gap.angle + push if push else None,
                 ))  # fmt: skip
         return model

@@ -94,14 +94,15 @@ def test_page_in_a_browser(case: str, tmp_path: Path, request: pytest.FixtureReq
     results = request.getfixturevalue(case)
     page = to_html(results, tmp_path / "page.html")
     options = ["--headless=new", "--no-sandbox", "--disable-gpu", "--use-angle=swiftshader"]
-    options += ["--enable-unsafe-swiftshader", "--window-size=1200,800", "--virtual-time-budget=15000", "--host-resolver-rules=MAP * ~NOTFOUND"]
+    options += ["--enable-unsafe-swiftshader"]
+    options += ["--window-size=1200,800", "--virtual-time-budget=15000", "--host-resolver-rules=MAP * ~NOTFOUND"]
     address = f"{page.as_uri()}?frame=1"
-    start = {"capture_output": True, "text": True, "timeout": 120, "check": True}
-    run = subprocess.run([BROWSER, *options, "--dump-dom", address], **start)
+    start = {"capture_output": True, "text": True, "timeout": 120}
+    run = subprocess.run([BROWSER, *options, "--dump-dom", address], check=True, **start)
     assert 'data-ready="yes"' in run.stdout
     assert f"step 1 of {len(results) - 1}, load factor {results.lam[1]:.5g}" in run.stdout
     picture = tmp_path / "page.png"
-    subprocess.run([BROWSER, *options, f"--screenshot={picture}", address], **start)
+    subprocess.run([BROWSER, *options, f"--screenshot={picture}", address], check=True, **start)
     image = pytest.importorskip("matplotlib.image").imread(picture)[100:600, :640, :3]
     colored = np.ptp(image, axis=2) > 0.15
     assert colored.mean() > (0.02 if case == "strip" else 0.002)

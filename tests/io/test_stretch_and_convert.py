@@ -130,8 +130,8 @@ def test_wrong_requests(change: dict, message: str) -> None:
 
 
 def test_doubts_are_said() -> None:
+    plate = Drawing(shapely.box(0, 0, 0.1, 0.1), ())
     with pytest.warns(kg.KirigamiWarning, match="outside what sheets are made of"):
-        plate = Drawing(shapely.box(0, 0, 0.1, 0.1), ())
         stretch(plate, thickness=1e-4, E=3.5, strain=1e-4, max_edge=0.05, imperfection=0)
 
 

@@ -1,0 +1,99 @@
+"""Assembly: from the Hessian blocks of kernels to a sparse matrix, by plans made once.
+
+Each Hessian block adds to the block of its node pair, lower number first, so each pair is stored once; the reduced
+matrix then picks its entries, and their mirror images, from there.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kirigami.kernel import Array, Kernel
+
+Index = NDArray[np.int64]
+
+
+def scatter_add(target: Array, conn: Index, values: Array) -> None:
+    """Add member values (n, k, dim) to the rows (dim columns) of `target` that `conn` (n, k) names."""
+    flat = conn.ravel()
+    for axis in range(target.shape[1]):
+        target[:, axis] += np.bincount(flat, weights=values[:, :, axis].ravel(), minlength=len(target))
+
+
+class BlockPlan:
+    """Which node block each Hessian block of each kernel adds to."""
+
+    def __init__(self, kernels: list[Kernel], nodes: int) -> None:
+        diagonal = np.arange(nodes)
+        codes = [diagonal * nodes + diagonal]
+        flips = []
+        for kernel in kernels:
+            k = kernel.conn.shape[1]
+            pairs = np.array(np.triu_indices(k)).T if kernel.pairs is None else np.array(kernel.pairs, dtype=int).reshape(-1, 2)
+            first, second = kernel.conn.T[pairs[:, 0]].ravel(), kernel.conn.T[pairs[:, 1]].ravel()
+            codes.append(np.minimum(first, second) * nodes + np.maximum(first, second))
+            flips.append(first > second)
+        unique, inverse = np.unique(np.concatenate(codes), return_inverse=True)
+        self.count = len(unique)
+        self.low, self.high = unique // nodes, unique % nodes
+        sections = np.cumsum([len(code) for code in codes])[:-1]
+        self.slots = [
+            slots + flip * self.count for slots, flip in zip(np.split(inverse, sections)[1:], flips)
+        ]
+
+    def links(self, rest: Array) -> tuple[Index, Index, Array]:
+        """Joined node pairs and their distance."""
+        off = self.low != self.high
+        low, high = self.low[off], self.high[off]
+        distance = np.linalg.norm(rest[high] - rest[low], axis=1)
+        apart = distance > 0
+        return low[apart], high[apart], distance[apart]
+
+    def multiply(self, blocks: Array, vector: Array) -> Array:
+        """Product of the symmetric block matrix with a field (n, dim)."""
+        product = np.zeros_like(vector)
+        off = self.low != self.high
+        upper = np.einsum("abn,nb->na", blocks, vector[self.high])
+        lower = np.einsum("ban,nb->na", blocks[:, :, off], vector[self.low[off]])
+        scatter_add(product, self.low[:, None], upper[:, None])
+        scatter_add(product, self.high[off][:, None], lower[:, None])
+        return product
+
+
+class PickPlan:
+    """Which entries of the node blocks make up each entry of the reduced CSC matrix."""
+
+    def __init__(self, plan: BlockPlan, unknown: Index, size: int, dim: int) -> None:
+        block = np.arange(plan.count)
+        rows, columns, sources = [], [], []
+        for a in range(dim):
+            for b in range(dim):
+                row, column = unknown[plan.low * dim + a], unknown[plan.high * dim + b]
+                source = (a * dim + b) * plan.count + block
+                off = plan.low != plan.high
+                rows += [row, column[off]]
+                columns += [column, row[off]]
+                sources += [source, source[off]]
+        row, column, source = np.concatenate(rows), np.concatenate(columns), np.concatenate(sources)
+        kept = (row >= 0) & (column >= 0)
+        code = column[kept] * size + row[kept]
+        order = np.argsort(code, kind="stable")
+        code, self.source = code[order], source[kept][order]
+        new = np.flatnonzero(np.diff(code, prepend=-1))
+        self.starts = None if len(new) == len(code) else new  # ties put several entries in one place
+        self.indices = (code[new] % size).astype(np.int32)
+        self.indptr = np.searchsorted(code[new], np.arange(size + 1) * size).astype(np.int32)
+        self.size = size
+
+    def matrix(self, blocks: Array) -> Any:
+        from scipy.sparse import csc_matrix
+
+        data = blocks.reshape(-1)[self.source]
+        if self.starts is not None:
+            data = np.add.reduceat(data, self.starts) if len(data) else data
+        matrix = csc_matrix((data, self.indices, self.indptr), shape=(self.size, self.size))
+        matrix.indices, matrix.indptr = self.indices, self.indptr  # the same objects: solvers know the pattern by them
+        return matrix
