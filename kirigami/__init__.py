@@ -38,6 +38,10 @@ _HOME = {
     "Step": "results",
     "Event": "results",
     "load": "storage",
+    "Framework": "framework",
+    "Rigidity": "framework",
+    "PeriodicCell": "periodic",
+    "AngleLimit": "effects.angle_limit",
     "KirigamiError": "errors",
     "GeometryError": "errors",
     "ModelError": "errors",
@@ -46,11 +50,12 @@ _HOME = {
     "ConvergenceError": "errors",
     "KirigamiWarning": "errors",
 }
-_MODULES = {"cuts": "geometry.cuts", "stiffness": "stiffness", "plot": "plot", "tilings": "tilings"}
+_MODULES = {"bloch": "bloch", "cuts": "geometry.cuts", "stiffness": "stiffness", "plot": "plot", "tilings": "tilings"}
 
 __all__ = ["__version__", *_HOME, *_MODULES]
 
 if TYPE_CHECKING:
+    from kirigami import bloch as bloch
     from kirigami import plot as plot
     from kirigami import stiffness as stiffness
     from kirigami import tilings as tilings
@@ -63,6 +68,7 @@ if TYPE_CHECKING:
     from kirigami.constraints import Fix as Fix
     from kirigami.constraints import Prescribe as Prescribe
     from kirigami.constraints import Tie as Tie
+    from kirigami.effects.angle_limit import AngleLimit as AngleLimit
     from kirigami.elements.bar import Bar as Bar
     from kirigami.elements.bend_hinge import BendHinge as BendHinge
     from kirigami.elements.torsion_spring import TorsionSpring3 as TorsionSpring3
@@ -73,6 +79,8 @@ if TYPE_CHECKING:
     from kirigami.errors import KirigamiWarning as KirigamiWarning
     from kirigami.errors import MechanismError as MechanismError
     from kirigami.errors import ModelError as ModelError
+    from kirigami.framework import Framework as Framework
+    from kirigami.framework import Rigidity as Rigidity
     from kirigami.geometry import cuts as cuts
     from kirigami.geometry.mesh import TriMesh as TriMesh
     from kirigami.geometry.sheet import Sheet as Sheet
@@ -83,6 +91,7 @@ if TYPE_CHECKING:
     from kirigami.model import Material as Material
     from kirigami.model import Model as Model
     from kirigami.model import Node as Node
+    from kirigami.periodic import PeriodicCell as PeriodicCell
     from kirigami.results import Event as Event
     from kirigami.results import Results as Results
     from kirigami.results import Step as Step

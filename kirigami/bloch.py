@@ -170,7 +170,7 @@ def _turn(
 ) -> float:
     """Angle turned by a unit complex number between two parameters, halving intervals until each turn is small."""
     angle = math.atan2((last / first).imag, (last / first).real)
-    if depth >= 6 and abs(angle) < 0.5 or depth > 24:
+    if (depth >= 6 and abs(angle) < 0.5) or depth > 24:
         return angle
     middle = 0.5 * (start + end)
     at_middle = phase(middle)

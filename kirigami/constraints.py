@@ -66,7 +66,7 @@ class Constraint(ModelObject):
         clamped = [item for item in objects if item.clamp]
         if not clamped or numbering.dim == 2:
             return []
-        from kirigami.stiffness import clamp_kernels
+        from kirigami.elements.clamp_hinge import clamp_kernels
 
         return clamp_kernels([item.group for item in clamped], numbering)
 

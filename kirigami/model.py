@@ -244,7 +244,7 @@ class Model:
         >>> print(kg.Model.from_mesh(mesh, thickness=0.01, material=kg.Material(E=1e9)))
         Model in 3D: 4 nodes, 5 Bar, 1 BendHinge
         """
-        from kirigami.stiffness import populate
+        from kirigami.sheet_model import populate
 
         model = cls(dim=dim)
         populate(model, mesh, thickness, material, stiffness)
@@ -467,7 +467,7 @@ class Model:
             chosen &= np.isin(np.arange(len(x)), named)
         if index is not None:
             wanted = np.atleast_1d(np.asarray(index))
-            if wanted.dtype.kind not in "iu" or wanted.size and (wanted.min() < -len(x) or wanted.max() >= len(x)):
+            if wanted.dtype.kind not in "iu" or (wanted.size and (wanted.min() < -len(x) or wanted.max() >= len(x))):
                 raise ModelError(f"select: indices must be integers below {len(x)}, got {index!r}")
             chosen &= np.isin(np.arange(len(x)), wanted % len(x))
         found = np.flatnonzero(chosen)

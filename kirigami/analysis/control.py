@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from kirigami.analysis.newton import State
+from kirigami.analysis.state import State
 from kirigami.constraints import AXES
 from kirigami.errors import ModelError
 from kirigami.kernel import Array

@@ -2,23 +2,33 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import Protocol
 
 import numpy as np
 
-from kirigami.analysis.control import ArcLengthControl, LoadFactorControl
-from kirigami.analysis.newton import Point, State
+from kirigami.analysis.control import ArcLengthControl, Control, LoadFactorControl
+from kirigami.analysis.state import Attempt, Point, State, Tangent
 from kirigami.kernel import Array
-from kirigami.results import Event
-
-if TYPE_CHECKING:
-    from kirigami.analysis.walk import PathAnalysis
+from kirigami.results import Event, Results
+from kirigami.system import System
 
 LIMIT_TOLERANCE = 1e-7  # relative error in load to which limit points are located
 SNAP = 1e-3  # least energy set free, as a share of the stored energy, that counts as a snap
 
 
-def report_events(path: PathAnalysis, before: Point, after: Point, increment: float) -> None:
+class Walker(Protocol):
+    """What is asked of the path analysis that walks."""
+
+    system: System
+    found: Results
+    control: Control
+
+    def try_increment(self, before: Point, increment: float) -> Attempt: ...
+
+    def tangent_at(self, attempt: Attempt) -> Tangent | None: ...
+
+
+def report_events(path: Walker, before: Point, after: Point, increment: float) -> None:
     """Add to the results of `path` what happened between two of its points, one increment apart."""
     events, index = path.found.events, len(path.found) - 2
     bracket = (before.state.lam, after.state.lam)
@@ -49,7 +59,7 @@ def report_events(path: PathAnalysis, before: Point, after: Point, increment: fl
         events.append(Event("stability change", 0.5 * sum(bracket), index, message, bracket))
 
 
-def _energy_set_free(path: PathAnalysis, before: Point, after: Point) -> tuple[float, float]:
+def _energy_set_free(path: Walker, before: Point, after: Point) -> tuple[float, float]:
     """Energy lost between two points beyond what a smooth stable path explains, and its share of the stored energy.
 
     There the potential changes by the work of the drive, which the trapezoidal rule knows up to the change of force.
@@ -66,7 +76,7 @@ def _energy_set_free(path: PathAnalysis, before: Point, after: Point) -> tuple[f
     return released, (released - explained) / max(abs(energy[1]), 1e-300)
 
 
-def _load_rate(path: PathAnalysis, point: Point, before: Point, after: Point) -> float:
+def _load_rate(path: Walker, point: Point, before: Point, after: Point) -> float:
     """Change of the load factor on the tangent of `point`, walked in the sense of the step from before to after."""
     control = path.control
     step = after.state.u - before.state.u
@@ -78,7 +88,7 @@ def _load_rate(path: PathAnalysis, point: Point, before: Point, after: Point) ->
 
 
 def _locate_limit_point(
-    path: PathAnalysis, before: Point, after: Point, increment: float, rates: tuple[float, float]
+    path: Walker, before: Point, after: Point, increment: float, rates: tuple[float, float]
 ) -> State:
     """The state of extreme load factor between two points: regula falsi (Illinois) on the rate of the load factor."""
     low, high = 0.0, increment
@@ -112,6 +122,6 @@ def _locate_limit_point(
     return best
 
 
-def _keep_direction(path: PathAnalysis, step: Array) -> None:
+def _keep_direction(path: Walker, step: Array) -> None:
     if isinstance(path.control, ArcLengthControl):
         path.control.direction = step

@@ -20,68 +20,20 @@ Three things carry it through the sharp corners of thin sheets; the residual sta
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
+from kirigami.analysis.control import Control
+from kirigami.analysis.state import Attempt, State
 from kirigami.kernel import Array
 from kirigami.linalg import Factor, SingularMatrixError
-
-if TYPE_CHECKING:
-    from kirigami.analysis.control import Control
-    from kirigami.system import System
+from kirigami.system import System
 
 ROTATION_CAP = 0.3  # largest turn of a member in one correction [rad]
 DIVERGED = 1e6  # growth of the residual after which an attempt is hopeless
 CONVEXITY = 0.02, 3.0, 1.5  # least share faded out, growth while a pivot is negative, decay while none is
 PUSH = 0.05  # turn of a member by which an unstable equilibrium is pushed off along its mode [rad]
-
-
-@dataclass
-class State:
-    """A point of the path: unknowns, load factor, displacements (n, dim)."""
-
-    q: Array
-    lam: float
-    u: Array
-
-
-@dataclass
-class Attempt:
-    """How one correction went."""
-
-    state: State
-    converged: bool
-    residual: float
-    iterations: int
-    history: list[float] = field(default_factory=list)
-    reason: str = ""
-    relaxed: bool = False
-    drift: float = 0.0
-
-
-@dataclass
-class Tangent:
-    """Exact tangent at an equilibrium: node blocks, factor, and -K^-1 dr/dlam (free,)."""
-
-    blocks: Array
-    factor: Factor
-    rate: Array
-
-
-@dataclass
-class Point:
-    """An accepted equilibrium: its state, its exact tangent, and the history of the kernels there."""
-
-    state: State
-    tangent: Tangent
-    history: Any
-
-    @property
-    def negative(self) -> int:
-        """Number of negative eigenvalues of the tangent."""
-        return self.tangent.factor.negative
 
 
 def correct(
@@ -189,7 +141,7 @@ def _hopeless(history: list[float]) -> bool:
 
 
 def _push(system: System, factor: Factor, u: Array, lam: float) -> Array:
-    """A small move (free,) along the mode nearest to neutral, by inverse iteration; its first largest entry is positive."""
+    """A small move (free,) along the mode nearest to neutral, found by inverse iteration; its largest entry is positive."""
     mode = np.random.default_rng(0).normal(size=system.free)
     for _ in range(8):
         mode = factor.solve(mode)

@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike
 from kirigami.analysis.base import checked_number, require_drive
 from kirigami.analysis.control import ArcLengthControl, Control, LoadFactorControl, SingleDisplacementControl
 from kirigami.analysis.increments import Increments, ordered_targets
-from kirigami.analysis.newton import State, Tangent
+from kirigami.analysis.state import State, Tangent
 from kirigami.analysis.walk import PathAnalysis
 from kirigami.constraints import AXES
 from kirigami.errors import ModelError

@@ -17,7 +17,8 @@ from kirigami.analysis.base import Analysis, checked_number, make_step
 from kirigami.analysis.control import ArcLengthControl, Control, LoadFactorControl
 from kirigami.analysis.events import report_events
 from kirigami.analysis.increments import Increments
-from kirigami.analysis.newton import Attempt, Point, State, Tangent, correct
+from kirigami.analysis.newton import correct
+from kirigami.analysis.state import Attempt, Point, State, Tangent
 from kirigami.errors import ConvergenceError, KirigamiWarning, ModelError
 from kirigami.kernel import Array
 from kirigami.linalg import Factor, SingularMatrixError

@@ -72,7 +72,7 @@ class BendHinge(ModelObject):
     rest_angle: float | None
 
     def __init__(
-        self, i: Node, j: Node, k: Node, l: Node, stiffness: float, *, rest_angle: float | None = None  # noqa: E741
+        self, i: Node, j: Node, k: Node, l: Node, stiffness: float, *, rest_angle: float | None = None
     ) -> None:
         put = object.__setattr__
         put(self, "i", i)
@@ -112,7 +112,7 @@ class BendHinge(ModelObject):
 
 def _wing_vectors(points: Array, conn: NDArray[np.int64]) -> tuple[Array, Array, Array]:
     """Edge e and wing vectors a, b, each (3, n)."""
-    i, j, k, l = conn.T  # noqa: E741
+    i, j, k, l = conn.T
     origin = points[j]
     return (points[k] - origin).T, (points[i] - origin).T, (points[l] - origin).T
 

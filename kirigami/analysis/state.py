@@ -1,0 +1,55 @@
+"""Where a path analysis stands: states, attempts at one, tangents, accepted points."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any
+
+from kirigami.kernel import Array
+from kirigami.linalg import Factor
+
+
+@dataclass
+class State:
+    """A point of the path: unknowns, load factor, displacements (n, dim)."""
+
+    q: Array
+    lam: float
+    u: Array
+
+
+@dataclass
+class Attempt:
+    """How one correction went."""
+
+    state: State
+    converged: bool
+    residual: float
+    iterations: int
+    history: list[float] = field(default_factory=list)
+    reason: str = ""
+    relaxed: bool = False
+    drift: float = 0.0
+
+
+@dataclass
+class Tangent:
+    """Exact tangent at an equilibrium: node blocks, factor, and -K^-1 dr/dlam (free,)."""
+
+    blocks: Array
+    factor: Factor
+    rate: Array
+
+
+@dataclass
+class Point:
+    """An accepted equilibrium: its state, its exact tangent, and the history of the kernels there."""
+
+    state: State
+    tangent: Tangent
+    history: Any
+
+    @property
+    def negative(self) -> int:
+        """Number of negative eigenvalues of the tangent."""
+        return self.tangent.factor.negative
