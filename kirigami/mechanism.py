@@ -12,7 +12,8 @@ from kirigami.kernel import Array, full_hessian
 from kirigami.linalg import Factor, SingularMatrixError, factorize
 
 if TYPE_CHECKING:
-    from kirigami.system import Index, System
+    from kirigami.assembly import Index
+    from kirigami.system import System
 
 FREE = 1e-14  # energy of a motion over that of its members one by one; rounding leaves about 1e-16
 

@@ -158,7 +158,7 @@ class Results:
         }  # fmt: skip
         self.model: Model | None = system.model
         self.name = system.model.name
-        self.dim = system.dim
+        self.dim: int = system.dim
         self.rest = system.model.positions()
         self.kernels = system.kernels
         self.mesh: TriMesh | None = system.model.mesh
@@ -227,9 +227,10 @@ class Results:
         """Strain or angle (members,) of a kernel at a step; to first order for a linear analysis."""
         if self.linear:
             at_rest = Configuration(self.rest[:, : self.dim], np.zeros((len(self.rest), self.dim)))
-            initial: Array = kernel.deformation(at_rest)
-            return initial + kernel.deformation_rate(at_rest, step.u[:, : self.dim])
-        return self.evaluate_at(kernel, step, lambda x: kernel.deformation(x))
+            linearised: Array = kernel.deformation(at_rest) + kernel.deformation_rate(at_rest, step.u[:, : self.dim])
+            return linearised
+        found: Array = self.evaluate_at(kernel, step, lambda x: kernel.deformation(x))
+        return found
 
     def evaluate_at(self, kernel: Kernel, step: Step, evaluate: Any) -> Any:
         """``evaluate(configuration)`` with the history a kernel had at a step; the kernel's own is left untouched."""
@@ -264,6 +265,7 @@ class Results:
                         gradient = gradient + np.einsum("nklab,nlb->nka", block, step.u[kernel.conn][..., : self.dim])
                 else:
                     gradient = self.evaluate_at(kernel, step, lambda x: kernel.evaluate(x, step.lam, 1)).gradient  # noqa: B023
+                assert gradient is not None
                 scatter_add(target, kernel.conn, gradient)
             field_[:, : self.dim] = target
         return total
@@ -288,12 +290,13 @@ class Results:
         ModelError
             Empty selection, nodes that are not in the model, or an unknown axis.
         """
-        total = self._gradients[:, self.node_index(nodes)].sum(axis=1)
+        total: Array = self._gradients[:, self.node_index(nodes)].sum(axis=1)
         if axis is None:
             return total
         if axis not in tuple(AXES):
             raise ModelError(f"reaction: axis must be 'x', 'y' or 'z', got {axis!r}")
-        return total[:, AXES.index(axis)]
+        component: Array = total[:, AXES.index(axis)]
+        return component
 
     @cached_property
     def energy(self) -> dict[str, Array]:

@@ -217,7 +217,8 @@ class System:
     def unknowns(self, u: Array) -> Array:
         """Unknowns (free,) of displacements `u` (n, dim or 3)."""
         flat = np.asarray(u, dtype=float)[:, : self.dim].ravel()
-        return flat[self.heads].copy()
+        q: Array = flat[self.heads]
+        return q.copy()
 
     def constraint_error(self, u: Array, lam: float) -> float:
         """Largest violation [length] of the constraints by displacements `u` (n, dim or 3)."""
@@ -311,7 +312,8 @@ class System:
                     for b in range(self.dim):
                         total[a, b] += np.bincount(slots, by_component[a, b].ravel(), 2 * plan.count)
         # Contributions whose first node has the higher number were collected apart, to be transposed here.
-        return total[:, :, : plan.count] + total[:, :, plan.count :].swapaxes(0, 1)
+        blocks: Array = total[:, :, : plan.count] + total[:, :, plan.count :].swapaxes(0, 1)
+        return blocks
 
     def matrix(self, blocks: Array) -> Any:
         """Reduced stiffness matrix, scipy CSC (free, free), of assembled blocks."""
@@ -365,7 +367,7 @@ class System:
 
     def linearize(self, u: Array | None, change: Array | None = None) -> None:
         """See :meth:`Kernel.linearize`; without arguments, back to the exact stress."""
-        x = None if u is None else self.configuration(u)
+        x = self.rest if u is None else self.configuration(u)
         for kernel in self.kernels:
             kernel.linearize(x, change)
 

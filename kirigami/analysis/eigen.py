@@ -155,7 +155,7 @@ class Eigen(Analysis):
             if constants is None or mesh is None or constants.material.density is None:
                 raise ModelError("Eigen: mass='lumped' needs a model from a mesh whose material has a density")
             facet = constants.material.density * constants.thickness * mesh.facet_areas / 3
-            return np.bincount(mesh.triangles.ravel(), weights=np.repeat(facet, 3), minlength=n)
+            return np.asarray(np.bincount(mesh.triangles.ravel(), np.repeat(facet, 3), n), dtype=float)
         given = np.asarray(self.mass, dtype=float)
         if given.shape != (n,) or not np.isfinite(given).all() or np.any(given <= 0):
             raise ModelError(f"Eigen: mass must be one positive number for each of the {n} nodes")

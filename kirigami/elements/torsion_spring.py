@@ -155,7 +155,8 @@ class TorsionSpring3Kernel(Kernel):
 
     def _angle(self, a: Array, b: Array) -> Array:
         angle = np.arctan2(b[0] * a[1] - b[1] * a[0], a[0] * b[0] + a[1] * b[1])
-        return self._committed + np.remainder(angle - self._committed + math.pi, TURN) - math.pi
+        unwrapped: Array = self._committed + np.remainder(angle - self._committed + math.pi, TURN) - math.pi
+        return unwrapped
 
     def deformation(self, x: Array) -> Array:
         """Unwrapped angle of each spring (n,) [rad]."""
