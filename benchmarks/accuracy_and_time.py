@@ -62,10 +62,12 @@ def main(picture: str | None = None) -> None:
         points = np.array([(cpu, 100 * error[column - 2]) for cpu, *error in SHELL_POINTS.values()])
         ax.loglog(points[:, 0], points[:, 1], "s", mfc="none", color=color, label=f"shell elements: {name}")
     for nodes, seconds, force, _ in rows:
-        ax.annotate(f"{nodes:.0f} nodes", (seconds, 100 * force), textcoords="offset points", xytext=(4, 6), fontsize=8)
+        label = f"{nodes:,.0f} nodes"
+        ax.annotate(label, (seconds, 100 * force), textcoords="offset points", xytext=(2, 6), fontsize=8, rotation=35)
+    ax.set_ylim(0.1, 40)
     ax.set_xlabel("CPU seconds, one thread")
     ax.set_ylabel("error over the stretch [%]")
-    ax.legend(fontsize=8, frameon=False)
+    ax.legend(fontsize=8, frameon=False, loc="lower left")
     ax.spines[["top", "right"]].set_visible(False)
     figure.savefig(picture, dpi=150)
 

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from kirigami.errors import GeometryError, ModelError
+from kirigami.io.methods import ModelFiles
 
 if TYPE_CHECKING:
     from kirigami.geometry.mesh import TriMesh
@@ -172,7 +173,7 @@ class Numbering:
         return f"node {self.model._index[id(node)]} {node!r}"
 
 
-class Model:
+class Model(ModelFiles):
     """A structure of nodes, elements, constraints and loads.
 
     Parameters

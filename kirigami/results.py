@@ -14,6 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from kirigami.constraints import AXES
 from kirigami.errors import AnalysisError, ModelError
+from kirigami.io.methods import ResultsFiles
 from kirigami.kernel import Array, Configuration, Kernel
 from kirigami.model import Model, Node
 
@@ -100,7 +101,8 @@ class Event:
     Attributes
     ----------
     kind : str
-        "limit point", "stability change", "interrupted" or "failed".
+        "limit point", "stability change", "switch" (an unstable path was left for a stable equilibrium), "snap" (energy
+        was set free), "interrupted" or "failed".
     lam : float
         Load factor: located for a limit point, else the middle of ``bracket``.
     step : int
@@ -124,7 +126,7 @@ class Event:
         return self.message
 
 
-class Results:
+class Results(ResultsFiles):
     """Everything an analysis found, step by step.
 
     Step 0 is the state at load factor 0, in equilibrium with constant loads (or the step the analysis started from).
@@ -137,7 +139,7 @@ class Results:
     events : list of Event
         What was met on the way.
     stats : dict
-        "iterations", "factorizations", "steps", "cutbacks", "backend", and "seconds" per part.
+        "iterations", "factorizations", "steps", "cutbacks", "relaxations", "backend", and "seconds" per part.
 
     Examples
     --------
@@ -154,7 +156,7 @@ class Results:
         self.steps: list[Step] = []
         self.events: list[Event] = []
         self.stats: dict[str, Any] = {
-            "iterations": 0, "factorizations": 0, "steps": 0, "cutbacks": 0, "backend": "", "seconds": {}
+            "iterations": 0, "factorizations": 0, "steps": 0, "cutbacks": 0, "relaxations": 0, "backend": "", "seconds": {}
         }  # fmt: skip
         self.model: Model | None = system.model
         self.name = system.model.name
@@ -402,22 +404,10 @@ class Results:
         return plot_curve(self, *args, **options)
 
     def animate(self, path: str | os.PathLike[str], **options: Any) -> Path:
-        """Write an animation of the deformation as a GIF (see :func:`kirigami.plot.animate`)."""
+        """Write an animation of the deformation, GIF or MP4 (see :func:`kirigami.plot.animate`)."""
         from kirigami.plot import animate
 
         return animate(self, path, **options)
-
-    def to_vtk(self, folder: str | os.PathLike[str]) -> list[Path]:
-        """Write a VTK series that ParaView animates (see :func:`kirigami.io.vtk.write_vtk`)."""
-        from kirigami.io.vtk import write_vtk
-
-        return write_vtk(self, folder)
-
-    def to_xarray(self) -> Any:
-        """The results as an xarray.Dataset (see :func:`kirigami.io.table.to_xarray`)."""
-        from kirigami.io.table import to_xarray
-
-        return to_xarray(self)
 
     def summary(self) -> str:
         """What was computed, how it went, and where the time went, as text."""
@@ -432,7 +422,7 @@ class Results:
             )
         lines.append(
             f"{stats['iterations']} iterations, {stats['factorizations']} factorizations ({stats['backend'] or 'none'}), "
-            f"{stats['cutbacks']} cutbacks"
+            f"{stats['cutbacks']} cutbacks, {stats['relaxations']} relaxations"
         )
         lines += [f"event: {event}" for event in self.events]
         seconds = stats["seconds"]

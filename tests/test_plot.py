@@ -309,6 +309,35 @@ def test_frames_are_even_in_the_load_factor(
     assert [other.name for other in path.parent.iterdir()] == ["lift.gif"]
 
 
+def test_a_video_holds_the_frames_and_then_the_last_for_a_second(lifted: kg.Results, tmp_path: Path) -> None:
+    video = pytest.importorskip("imageio.v3")
+    pytest.importorskip("imageio_ffmpeg")
+    lifted.animate(tmp_path / "lift.gif", frames=5, fps=10, dpi=67)  # sides of an odd number of pixels
+    path = lifted.animate(tmp_path / "lift.mp4", frames=5, fps=10, dpi=67)
+    with Image.open(tmp_path / "lift.gif") as gif:
+        width, height = gif.size
+        gif.seek(4)
+        last = np.asarray(gif.convert("L"), dtype=float)
+    assert width % 2 or height % 2
+    shown = video.imread(path, plugin="FFMPEG")
+    assert shown.shape == (5 + 10, height // 2 * 2, width // 2 * 2, 3)
+    assert video.immeta(path, plugin="FFMPEG")["fps"] == 10
+    assert video.immeta(path, plugin="FFMPEG")["codec"] == "h264"
+    # The last frame is that of the GIF but for compression; the first one is not.
+    far, near = (np.abs(shown[k].mean(axis=2) - last[: shown.shape[1], : shown.shape[2]]).mean() for k in (0, -1))
+    assert near < 0.5 * far
+    assert {other.name for other in tmp_path.iterdir()} == {"lift.gif", "lift.mp4"}
+
+
+def test_a_video_without_its_library_says_what_to_install(
+    lifted: kg.Results, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setitem(sys.modules, "imageio_ffmpeg", None)  # as if it were not installed
+    with pytest.raises(kg.KirigamiError, match=r"needs imageio_ffmpeg: pip install .*kirigami-mechanics\[viz\]"):
+        lifted.animate(tmp_path / "lift.mp4", frames=2)
+    assert not list(tmp_path.iterdir())
+
+
 def test_a_path_that_turns_back_is_shown_as_it_went(
     snapped: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -401,7 +430,8 @@ def test_open_area_needs_a_sheet_with_cuts(snapped: Any) -> None:
 @pytest.mark.parametrize(
     ("name", "options", "complaint"),
     [
-        ("lift.mp4", {}, "must end in .gif"),
+        ("lift.avi", {}, "writes .gif and .mp4 files, not 'lift.avi'"),
+        ("lift.mp4", {"frames": 1}, "at least 2"),
         ("lift.gif", {"frames": 1}, "at least 2"),
         ("lift.gif", {"fps": 0}, "fps must be positive"),
         ("lift.gif", {"color": "hight"}, "unknown"),

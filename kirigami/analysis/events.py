@@ -28,10 +28,16 @@ class Walker(Protocol):
     def tangent_at(self, attempt: Attempt) -> Tangent | None: ...
 
 
-def report_events(path: Walker, before: Point, after: Point, increment: float) -> None:
+def report_events(path: Walker, before: Point, after: Point, increment: float, left_unstable: int = 0) -> None:
     """Add to the results of `path` what happened between two of its points, one increment apart."""
     events, index = path.found.events, len(path.found) - 2
     bracket = (before.state.lam, after.state.lam)
+    if left_unstable:
+        message = (
+            f"the path loses its stability between load factors {bracket[0]:.6g} and {bracket[1]:.6g} "
+            f"({left_unstable} negative eigenvalues) and was left downhill for a stable equilibrium"
+        )
+        events.append(Event("switch", 0.5 * sum(bracket), index, message, bracket))
     if isinstance(path.control, LoadFactorControl):
         released, share = _energy_set_free(path, before, after)
         if share > SNAP:

@@ -146,7 +146,7 @@ class PathAnalysis(Analysis):
             if isinstance(control, ArcLengthControl):
                 control.direction = point.state.u - before.state.u
             self._store(point, attempt)
-            report_events(self, before, point, increment)
+            report_events(self, before, point, increment, attempt.left_unstable)
             if self.on_instability == "stop" and point.negative:
                 return
             increments.adapt(increment, attempt)
@@ -158,9 +158,11 @@ class PathAnalysis(Analysis):
         tangent = self.tangent_at(attempt)
         relax = hard if tangent is None else tangent.factor.negative > 0
         if self.on_instability == "switch" and relax:
+            self.found.stats["relaxations"] += 1
             relaxed = self._relax(before, increment)
             relaxed_tangent = self.tangent_at(relaxed)
             if relaxed_tangent is not None:
+                relaxed.left_unstable = 0 if tangent is None else tangent.factor.negative
                 return relaxed, relaxed_tangent
         return attempt, tangent
 

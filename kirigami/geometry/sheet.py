@@ -17,6 +17,7 @@ from kirigami.geometry.mesh import TriMesh
 from kirigami.geometry.refine import LONGEST, signed_areas, triangulate_drawing
 from kirigami.geometry.triangulate import Triangulation
 from kirigami.geometry.unzip import find_cuts, unzip
+from kirigami.io.methods import SheetFiles
 
 if TYPE_CHECKING:
     from kirigami.model import Material
@@ -29,7 +30,7 @@ POOR_ANGLE = 20.0  # degrees; below, bars and hinges lose accuracy
 LARGEST_MIN_ANGLE = 33.0  # degrees; beyond, refinement need not come to an end
 
 
-class Sheet:
+class Sheet(SheetFiles):
     """A thin sheet in the plane, with its cuts.
 
     Parameters

@@ -54,7 +54,7 @@ def whole_file(path: str | os.PathLike[str]) -> Iterator[Path]:
         unfinished.unlink(missing_ok=True) if unfinished.parent.is_dir() else None
 
 
-def library(name: str, purpose: str) -> Any:
+def library(name: str, purpose: str, extra: str = "io") -> Any:
     """Import an optional library, or say what it is needed for and how to get it.
 
     Parameters
@@ -63,6 +63,8 @@ def library(name: str, purpose: str) -> Any:
         Name of the module.
     purpose : str
         What it is needed for, as the start of a sentence: "reading DXF drawings".
+    extra : str
+        The extra of this package that brings it.
 
     Raises
     ------
@@ -79,5 +81,5 @@ def library(name: str, purpose: str) -> Any:
     except ImportError as error:
         package = name.partition(".")[0]
         raise KirigamiError(
-            f'{purpose} needs {package}: pip install {package}, or pip install "kirigami-mechanics[io]" ({error})'
+            f'{purpose} needs {package}: pip install {package}, or pip install "kirigami-mechanics[{extra}]" ({error})'
         ) from error

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -10,15 +11,18 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from kirigami.errors import ModelError
+from kirigami.io.files import library, whole_file
 from kirigami.plot import style
 from kirigami.plot.deformed import Field, Picture, chosen_view, displaced, frame, suitable_axes
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
     from kirigami.results import Results
 
 Floats = NDArray[np.float64]
+Pixels = NDArray[np.uint8]  # (height, width, 3)
+Writer = Callable[[Path, list[Pixels], float], None]  # path, pictures, pictures per second
+
+LAST = 1  # seconds that the last picture stays
 
 
 @style.styled
@@ -35,7 +39,7 @@ def animate(
     cmap: Any = None,
     on_frame: Callable[[int], None] | None = None,
 ) -> Path:
-    """Write the deformation as an animated GIF.
+    """Write the deformation as an animated GIF or an MP4 video, by the ending of the name.
 
     Frames are spaced evenly in the load factor (in the way it went, where the path turns back) and interpolated
     between the stored steps; colours and scales are the same in all of them, and the last one stays for a second.
@@ -45,9 +49,10 @@ def animate(
     results : Results
         What to draw.
     path : path
-        File to write; its name must end in ``.gif``. It is written under another name and then renamed.
+        File to write, ending in ``.gif`` or ``.mp4``. It is written under another name and then renamed. Videos are
+        H.264, which every browser and slide program plays, and may be one pixel smaller for that.
     frames : int
-        Number of pictures, at least 2.
+        Number of pictures, at least 2; in a video the last one is then repeated for the second it stays.
     fps : float
         Pictures per second.
     color, edges, view, magnify, cmap
@@ -65,7 +70,9 @@ def animate(
     Raises
     ------
     ModelError
-        Too few steps or frames, a name that does not end in ``.gif``, or anything :func:`plot_results` refuses.
+        Too few steps or frames, another ending, or anything :func:`plot_results` refuses.
+    KirigamiError
+        imageio or imageio-ffmpeg is not installed (for videos), or the file cannot be written.
 
     Examples
     --------
@@ -78,16 +85,17 @@ def animate(
     'pull.gif'
     """
     target = Path(path)
-    if target.suffix.lower() != ".gif":
-        raise ModelError(f"animate writes GIF files: the name {target.name!r} must end in .gif")
+    ending = target.suffix.lower()
+    if ending not in WRITERS:
+        raise ModelError(f"animate writes {' and '.join(WRITERS)} files, not {target.name!r}")
     if isinstance(frames, bool) or not isinstance(frames, (int, np.integer)) or frames < 2:
         raise ModelError(f"animate: frames must be an integer of at least 2, got {frames!r}")
     if not (np.isfinite(fps) and fps > 0):
         raise ModelError(f"animate: fps must be positive, got {fps!r}")
     if len(results) < 2:
         raise ModelError(f"animate needs at least two stored steps, the results hold {len(results)}")
+    write = WRITERS[ending]()  # before the drawing, which would be in vain without its libraries
     from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from PIL import Image  # which matplotlib depends on
 
     looking = chosen_view(results, None, view)
     field = Field(results, color)
@@ -104,7 +112,7 @@ def animate(
     way = _way(results.lam)
     canvas: Any = FigureCanvasAgg(figure)
     figure.set_dpi(dpi)
-    images: list[Any] = []
+    images: list[Pixels] = []
     for place_on_way in np.linspace(0.0, 1.0, frames):
         before, share = _between(way, float(place_on_way))
         u = _mix(results[before].u, results[before + 1].u, share)
@@ -112,19 +120,40 @@ def animate(
         canvas.draw()
         if not images:  # the layout is settled now and must not move from frame to frame
             figure.set_layout_engine("none")
-        images.append(Image.fromarray(np.asarray(canvas.buffer_rgba())).convert("RGB"))
+        images.append(np.array(np.asarray(canvas.buffer_rgba())[:, :, :3]))
         if on_frame is not None:
             on_frame(len(images))
-    pause = [max(round(1000 / fps), 20)] * frames
-    pause[-1] += 1000  # so that a loop does not jump from full stretch to flat unseen
-    target.parent.mkdir(parents=True, exist_ok=True)
-    unfinished = target.with_name(f"{target.name}.part")
-    try:
-        images[0].save(unfinished, "GIF", save_all=True, append_images=images[1:], duration=pause, loop=0)
-        os.replace(unfinished, target)
-    finally:
-        unfinished.unlink(missing_ok=True)
+    with whole_file(target) as unfinished:
+        write(unfinished, images, float(fps))
     return target
+
+
+def _gif_writer() -> Writer:
+    from PIL import Image  # which matplotlib depends on
+
+    def write(path: Path, images: list[Pixels], fps: float) -> None:
+        pause = [max(round(1000 / fps), 20)] * len(images)
+        pause[-1] += 1000 * LAST  # so that a loop does not jump from full stretch to flat unseen
+        first, *others = [Image.fromarray(image) for image in images]
+        first.save(path, "GIF", save_all=True, append_images=others, duration=pause, loop=0)
+
+    return write
+
+
+def _mp4_writer() -> Writer:
+    library("imageio_ffmpeg", "writing a video", extra="viz")  # which brings the ffmpeg that imageio calls
+    imageio = library("imageio.v2", "writing a video", extra="viz")
+
+    def write(path: Path, images: list[Pixels], fps: float) -> None:
+        height, width = (side // 2 * 2 for side in images[0].shape[:2])  # colours are stored for 2 x 2 pixels
+        with imageio.get_writer(path, format="FFMPEG", fps=fps, quality=8, macro_block_size=2) as video:
+            for image in images + images[-1:] * round(LAST * fps):
+                video.append_data(image[:height, :width])
+
+    return write
+
+
+WRITERS: dict[str, Callable[[], Writer]] = {".gif": _gif_writer, ".mp4": _mp4_writer}
 
 
 def _way(lam: Floats) -> Floats:
