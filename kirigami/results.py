@@ -102,7 +102,7 @@ class Event:
     ----------
     kind : str
         "limit point", "stability change", "switch" (an unstable path was left for a stable equilibrium), "snap" (energy
-        was set free), "interrupted" or "failed".
+        was set free), "step limit", "interrupted" or "failed".
     lam : float
         Load factor: located for a limit point, else the middle of ``bracket``.
     step : int

@@ -14,7 +14,7 @@ import numpy as np
 
 import kirigami as kg
 from kirigami import units
-from kirigami.errors import KirigamiError, KirigamiWarning, ModelError
+from kirigami.errors import AnalysisError, KirigamiError, KirigamiWarning, ModelError
 from kirigami.io.convert import edge_for, read_drawing
 from kirigami.io.files import whole_file
 
@@ -91,6 +91,7 @@ def stretch(
     max_edge: float | str | None = None,
     imperfection: float | str | None = None,
     progress: bool = False,
+    say: Callable[[str], None] = lambda note: None,
     **reading: Any,
 ) -> Report:
     """Read a drawing, clamp its two ends, pull one of them, and follow the sheet.
@@ -119,6 +120,8 @@ def stretch(
         Height of the stress-free imperfection, the softest mode of the held sheet [m]; None takes the thickness.
     progress : bool
         Show a progress bar.
+    say : callable
+        Called with each note as soon as it is known, so that a slip shows before the path is followed.
     **reading
         Options of the reader of the drawing.
 
@@ -133,6 +136,8 @@ def stretch(
         The drawing cannot be read or meshed.
     ModelError
         A quantity is wrong.
+    AnalysisError
+        Not even the sheet at rest was found to be in equilibrium.
 
     Examples
     --------
@@ -166,19 +171,27 @@ def stretch(
     pull = wanted * (length - 2 * held)
     high = _hold(model, direction, held, pull)
     bump = thick if imperfection is None else units.parse(imperfection, "length")
-    if bump:
-        model.perturb(kg.Eigen(model, n=1).run()[0], amplitude=bump)
-    targets = [0.002, 0.005, 0.01, 0.02, 0.05, *np.linspace(0.1, 1.0, 10).tolist()]
-    results = kg.DisplacementControl(model, targets=targets).run(progress=progress, on_failure="return")
     grips = f"strips of {units.show(held, 'length')}" if held else "edges"
     notes = (
         *drawn.notes,
         f"thickness {units.show(thick, 'length')}, E {units.show(modulus, 'stress')}, nu {nu:g}",
         f"{grips} held at the {' and '.join(SIDES[direction])}",
+        f"strain {units.show(wanted, 'ratio')} to reach, {units.show(pull, 'length')} of grip displacement",
         f"mesh edges up to {units.show(edge, 'length')}, imperfection {units.show(bump, 'length')} (softest mode)",
-        *(str(event) for event in results.events),
     )
-    return Report(results, _numbers(results, mesh, high, direction, pull, length - 2 * held), notes, direction)
+    for note in notes:
+        say(note)
+    if bump:
+        model.perturb(kg.Eigen(model, n=1).run()[0], amplitude=bump)
+    targets = [0.002, 0.005, 0.01, 0.02, 0.05, *np.linspace(0.1, 1.0, 10).tolist()]
+    results = kg.DisplacementControl(model, targets=targets).run(progress=progress, on_failure="return")
+    events = tuple(str(event) for event in results.events)
+    if not len(results):
+        raise AnalysisError("\n".join(events), results=results)
+    for event in events:
+        say(event)
+    numbers = _numbers(results, mesh, high, direction, pull, length - 2 * held)
+    return Report(results, numbers, notes + events, direction)
 
 
 def _grip(grip: float | str | None, sheet: kg.Sheet, direction: str, length: float, width: float) -> float:

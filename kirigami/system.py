@@ -22,6 +22,9 @@ from kirigami.kernel import Array, Configuration, Kernel
 from kirigami.model import Model, ModelObject, Numbering
 
 
+ROUNDING = 2e-15  # strain or angle [rad] that rounding alone may leave in a member
+
+
 class Clock:
     """Seconds and counts per part, so that cost can be explained."""
 
@@ -55,8 +58,9 @@ class System:
         Node positions without displacement.
     free : int
         Number of unknowns.
-    length, stiffness_scale : float
-        Median member length and stiffness, by which tolerances are made dimensionless.
+    length, stiffness_scale, noise : float
+        Median member length and stiffness, by which tolerances are made dimensionless, and the size of forces that
+        are nothing but rounding.
 
     Raises
     ------
@@ -186,19 +190,23 @@ class System:
             )
 
     def _measure(self) -> None:
-        """Median member length and stiffness."""
-        lengths, stiffness = [], []
+        """Median member length and stiffness, and the size of forces that are nothing but rounding."""
+        rest = self.configuration(np.zeros_like(self.rest))
+        lengths, stiffness, squares = [], [], 0.0
         for kernel in self.kernels:
             if kernel.pairs == ():
                 continue
             corner = self.rest[kernel.conn[:, :2]]
-            lengths.append(np.linalg.norm(corner[:, 1] - corner[:, 0], axis=1))
-            if kernel.conn.shape[1] == 2:
-                hessian = kernel.evaluate(self.configuration(np.zeros_like(self.rest)), 0.0, 2).hessian
-                assert hessian is not None
-                stiffness.append(np.einsum("naa->n", hessian[:, 0]))
-        self.length = float(np.median(np.concatenate(lengths))) if lengths else self.size
-        self.stiffness_scale = float(np.median(np.concatenate(stiffness))) if stiffness else 1.0
+            length = np.linalg.norm(corner[:, 1] - corner[:, 0], axis=1)
+            hessian = kernel.evaluate(rest, 0.0, 2).hessian
+            assert hessian is not None
+            norm = np.sqrt((hessian.reshape(len(length), -1) ** 2).sum(axis=1))
+            lengths.append(length)
+            stiffness.append(norm)
+            squares += float(((norm * length) ** 2).sum())
+        self.length = float(np.median(np.concatenate(lengths)))
+        self.stiffness_scale = float(np.median(np.concatenate(stiffness)))
+        self.noise = ROUNDING * float(np.sqrt(squares))
 
     def check_version(self) -> None:
         """Refuse to answer for a model that has changed since."""
@@ -263,6 +271,16 @@ class System:
                 squares += float(np.einsum("nka,nka->", gradient, gradient))
                 scatter_add(total, kernel.conn, gradient)
         return total, float(np.sqrt(squares))
+
+    def imbalance(self, u: Array, lam: float) -> tuple[Array, float]:
+        """Residual (free,), and its norm over the root sum of squares of the unassembled forces.
+
+        The second is zero where the residual is nothing but rounding, as in a structure at rest.
+        """
+        total, scale = self.forces(u, lam)
+        residual = self.reduce(total)
+        size = float(np.linalg.norm(residual))
+        return residual, size / scale if size > self.noise or not np.isfinite(size) else 0.0
 
     def gradient(self, u: ArrayLike, lam: float = 0.0) -> Array:
         """Gradient of the total potential (n, 3) at displacements `u` (n, 3): internal minus external forces."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import subprocess
 import sys
 from pathlib import Path
@@ -12,15 +13,20 @@ import pytest
 import kirigami as kg
 from kirigami import cli
 from kirigami.analysis.path import PathAnalysis
+from kirigami.cli import demo
 
+DRAWINGS = Path(__file__).parent / "data" / "drawings"
+PLATE = str(DRAWINGS / "inkscape_layers_mm.svg")  # 120 x 80 mm, three slits and a hole
+SHEET = ["--thickness", "0.1mm", "--E", "3.5GPa", "--strain", "0.2%", "--max-edge", "15mm"]
+COMMANDS = ["demo", "stretch", "mesh", "info", "export"]
 FILES = {"cut_sheet.png", "deformed.png", "curves.png", "stretch.gif", "results.npz"}
 
 
 @pytest.fixture
 def coarse(monkeypatch: pytest.MonkeyPatch) -> None:
     """The demo on a mesh coarse enough for a test."""
-    make = cli.demo_model
-    monkeypatch.setattr(cli, "demo_model", lambda max_edge, pull: make(0.6, pull))
+    make = demo.demo_model
+    monkeypatch.setattr(demo, "demo_model", lambda max_edge, pull: make(0.6, pull))
 
 
 @pytest.fixture
@@ -61,12 +67,40 @@ def test_quiet_says_nothing(coarse: None, short: None, tmp_path: Path, capsys: p
     assert {path.name for path in tmp_path.iterdir()} == FILES
 
 
-@pytest.mark.parametrize("words", [["demo", "--frames", "1"], ["demo", "--frames", "many"], ["unknown"], ["--unknown"]])
+def test_demo_prints_numbers(
+    coarse: None, short: None, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert cli.main(["demo", "--folder", str(tmp_path), "--frames", "2", "--json", "-q"]) == 0
+    numbers = json.loads(capsys.readouterr().out)
+    assert numbers["displacement"] == pytest.approx(0.004 * 0.4) and numbers["strain"] == pytest.approx(0.004 * 0.2)
+    assert numbers["largest_force"] > 0 and numbers["folder"] == str(tmp_path)
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        ["demo", "--frames", "1"],
+        ["demo", "--frames", "many"],
+        ["unknown"],
+        ["--unknown"],
+        ["stretch", PLATE],
+        ["stretch", PLATE, *SHEET, "--thickness", "3GPa"],
+        ["stretch", PLATE, *SHEET, "--direction", "z"],
+        ["mesh", PLATE, "--max-edge", "2 cubits"],
+        ["export", PLATE],
+    ],
+)
 def test_wrong_usage_ends_with_2(words: list[str], capsys: pytest.CaptureFixture[str]) -> None:
     with pytest.raises(SystemExit) as ended:
         cli.main(words)
     assert ended.value.code == 2
     assert capsys.readouterr().err.startswith("usage: kirigami")
+
+
+def test_wrong_units_are_explained(capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit):
+        cli.main(["stretch", PLATE, "--thickness", "0.1mm", "--E", "3.5gpa"])
+    assert "argument --E: '3.5gpa': the unit 'gpa' is unknown (did you mean GPa?)" in capsys.readouterr().err
 
 
 def test_no_command_shows_the_help(capsys: pytest.CaptureFixture[str]) -> None:
@@ -80,7 +114,7 @@ def test_an_error_of_the_package_is_a_sentence(
     def broken(max_edge: float, pull: float) -> None:
         raise kg.GeometryError("the cuts sever the sheet")
 
-    monkeypatch.setattr(cli, "demo_model", broken)
+    monkeypatch.setattr(demo, "demo_model", broken)
     assert cli.main(["demo", "--folder", str(tmp_path)]) == 1
     assert capsys.readouterr().err == "kirigami: the cuts sever the sheet\n"
 
@@ -113,15 +147,168 @@ def test_interruption_keeps_what_was_found(
     assert "kirigami: interrupted after" in capsys.readouterr().err
 
 
-def test_help_is_quick() -> None:
-    """Asking for help must not load what only the analysis and the pictures need."""
+@pytest.mark.parametrize("command", COMMANDS)
+def test_help_is_quick_and_fits(command: str) -> None:
+    """Asking for help must not load what only the analysis and the pictures need; examples must be right."""
     program = (
         "import sys, kirigami.cli as cli\n"
-        "try: cli.main(['demo', '--help'])\n"
+        f"try: cli.main(['{command}', '--help'])\n"
         "except SystemExit as end: code = end.code\n"
         "heavy = {'matplotlib', 'shapely', 'triangle', 'scipy.sparse.linalg'} & set(sys.modules)\n"
         "sys.exit(f'loaded {heavy}' if heavy else code)\n"
     )
     done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
-    assert "--folder" in done.stdout
+    assert "--json" in done.stdout and "--quiet" in done.stdout
+    assert max(map(len, done.stdout.splitlines())) <= 101
+    examples = [line.strip() for line in done.stdout.splitlines() if line.strip().startswith(f"kirigami {command}")]
+    assert examples
+    for example in examples:
+        words = example.partition(" |")[0].partition("    ")[0].split()[1:]
+        assert cli.make_parser().parse_args(words).command == command
+
+
+# ---- stretch
+
+
+def test_stretch_does_the_whole_job(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    folder = tmp_path / "new" / "out"
+    assert cli.main(["stretch", PLATE, *SHEET, "--direction", "y", "--folder", str(folder)]) == 0
+    said = capsys.readouterr()
+    for words in (
+        "true size 120mm x 80mm",
+        "thickness 0.1 mm, E 3.5 GPa, nu 0.34",
+        "edges held at the bottom and top",
+        "strain 0.2 % to reach, 0.16 mm of grip displacement",
+        "strain 0.2 % = 0.16 mm of grip displacement / 80 mm between the grips",
+        f"Written to {folder}: report.json, curves.csv, results.npz, rest.png, deformed.png, force.png",
+    ):
+        assert words in said.out
+    report = json.loads((folder / "report.json").read_text())
+    assert f"largest force {report['numbers']['largest_force']:.4g} N" in said.out
+    results = kg.load(folder / "results.npz")
+    assert results.lam[-1] == 1.0 and np.ptp(results.u[-1, :, 1]) >= 0.16e-3
+    assert not list(folder.rglob("*.part*"))
+
+
+def test_stretch_prints_numbers_alone(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    words = ["stretch", PLATE, *SHEET, "--grip", "10mm", "--folder", str(tmp_path), "--json", "--quiet"]
+    assert cli.main(words) == 0
+    said = capsys.readouterr()
+    numbers = json.loads(said.out)
+    assert said.err == ""
+    assert numbers["complete"] and numbers["cuts"] == 4
+    assert numbers["free_length"] == pytest.approx(0.06) and numbers["displacement"] == pytest.approx(0.12e-3)
+    # Stiffer than the uncut sheet it cannot be: E t W strain / (1 - nu^2), bars have nu = 1/3.
+    assert 0 < numbers["largest_force"] < 3.5e9 * 1e-4 * 0.12 * 0.002 / (1 - 1 / 9)
+
+
+def test_doubts_are_notes_of_one_line(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    words = ["stretch", PLATE, *SHEET, "--E", "3.5kPa", "--thickness", "20mm", "--folder", str(tmp_path), "--quiet"]
+    assert cli.main(words) == 0
+    said = capsys.readouterr()
+    assert said.out == ""
+    assert said.err == "kirigami: the thickness 20 mm is 16.6667 % of the size 120 mm: not a thin sheet\n"
+
+
+def test_a_path_that_ends_early_is_written_and_ends_with_1(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    analysis = kg.DisplacementControl
+    monkeypatch.setattr(kg, "DisplacementControl", lambda model, targets: analysis(model, to=0.5))
+    assert cli.main(["stretch", PLATE, *SHEET, "--folder", str(tmp_path), "--json"]) == 1
+    numbers = json.loads(capsys.readouterr().out)
+    assert not numbers["complete"] and numbers["strain"] == pytest.approx(0.001)
+    assert kg.load(tmp_path / "results.npz").lam[-1] == 0.5
+
+
+def test_an_interrupted_stretch_keeps_what_was_found(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    run = PathAnalysis.run
+
+    def interrupted(analysis: PathAnalysis, progress: bool, on_failure: str) -> kg.Results:
+        def stop(step: kg.Step) -> None:
+            raise KeyboardInterrupt
+
+        return run(analysis, recorders=[stop], on_failure=on_failure)
+
+    monkeypatch.setattr(PathAnalysis, "run", interrupted)
+    assert cli.main(["stretch", PLATE, *SHEET, "--folder", str(tmp_path)]) == 130
+    assert len(kg.load(tmp_path / "results.npz")) == 1
+    assert "the path ended at 0 % of the way" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(
+    "words, complaint",
+    [
+        (["absent.dxf"], "there is no file absent.dxf"),
+        (["plate.step"], "drawings end in .dxf, .svg"),
+        ([PLATE, "--cuts", "purple"], "no curve is on a layer or has a colour 'purple'; there are layer"),
+        ([PLATE, "--grip", "60mm"], "do not leave a free length in the sheet of 80 mm"),
+        ([str(DRAWINGS / "crease_pattern_mm.fold"), "--outline", "red"], "read without the option outline"),
+    ],
+)
+def test_what_cannot_be_stretched_leaves_no_folder(
+    words: list[str], complaint: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert cli.main(["stretch", *words, *SHEET, "--folder", str(tmp_path / "out")]) == 1
+    said = capsys.readouterr().err
+    assert said.startswith("kirigami: ") and complaint in said and len(said.splitlines()) == 1
+    assert not list(tmp_path.iterdir())
+
+
+# ---- mesh, info, export
+
+
+def test_mesh_is_described_and_written(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    file = tmp_path / "mesh.fold"
+    assert cli.main(["mesh", PLATE, "--max-edge", "15mm", "-o", str(file)]) == 0
+    said = capsys.readouterr().out
+    assert cli.main(["mesh", PLATE, "--max-edge", "15mm", "--json"]) == 0
+    numbers = json.loads(capsys.readouterr().out)
+    content = json.loads(file.read_text())
+    assert len(content["faces_vertices"]) == numbers["facets"] and f"facets {numbers['facets']}, cuts 4" in said
+    assert len(content["vertices_coords"]) == numbers["nodes"]
+    assert numbers["longest_edge"] < 1.1 * 0.015 and numbers["area"] < 0.12 * 0.08
+
+
+def test_info_says_what_was_read(capsys: pytest.CaptureFixture[str]) -> None:
+    assert cli.main(["info", PLATE]) == 0
+    assert "true size 120mm x 80mm" in capsys.readouterr().out
+    assert cli.main(["info", PLATE, "--json"]) == 0
+    found = json.loads(capsys.readouterr().out)
+    assert (found["width"], found["cuts"], found["folds"]) == (pytest.approx(0.12), 4, 1)
+    assert cli.main(["info", PLATE, "--quiet"]) == 0
+    assert capsys.readouterr() == ("", "")
+
+
+def test_layers_and_units_can_be_told(capsys: pytest.CaptureFixture[str]) -> None:
+    words = ["info", str(DRAWINGS / "r2018_blocks_mm.dxf"), "--json", "--drawn-in", "cm"]
+    assert cli.main([*words, "--outline", "Outline", "--cuts", "red", "--cuts", "Bend lines"]) == 0
+    found = json.loads(capsys.readouterr().out)
+    assert (found["width"], found["cuts"], found["folds"]) == (pytest.approx(1.2), 5, 0)
+
+
+def test_drawings_are_exported(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    targets = [str(tmp_path / "plate.geojson"), str(tmp_path / "plate.fold")]
+    assert cli.main(["export", PLATE, *targets, "--json"]) == 0
+    assert json.loads(capsys.readouterr().out) == {"files": targets}
+    sheets = kg.Sheet.from_geojson(targets[0]), kg.Sheet.from_fold(targets[1])
+    for sheet in sheets:
+        assert sheet.area == pytest.approx(kg.Sheet.from_svg(PLATE).area, rel=1e-9) and len(sheet.cuts) == 4
+    assert cli.main(["export", PLATE, str(tmp_path / "plate.doc")]) == 1
+    assert "drawings end in .dxf" in capsys.readouterr().err
+    assert len(list(tmp_path.iterdir())) == 2
+
+
+def test_results_are_exported(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    m = kg.Model(dim=2, name="bar")
+    a, b = m.add(kg.Node(0, 0), kg.Node(2, 0))
+    m.add(kg.Bar(a, b, EA=10.0), kg.Fix(a), kg.Fix(b, "y"), kg.NodalLoad(b, (1, 0)))
+    saved = kg.LinearStatic(m).run().save(tmp_path / "bar.npz")
+    assert cli.main(["export", str(saved), str(tmp_path / "bar.csv")]) == 0
+    assert capsys.readouterr().out == f"Written to {tmp_path / 'bar.csv'}\n"
+    assert (tmp_path / "bar.csv").read_text().startswith("step,load_factor")
+    assert cli.main(["info", str(saved)]) == 0
+    assert "bar: 2 nodes in 2D" in capsys.readouterr().out

@@ -78,3 +78,10 @@ def test_unknown_choice():
         kg.LoadControl(m, on_instability="hope")
     with pytest.raises(kg.ModelError, match="leave out `control`"):
         kg.DisplacementControl(m, control=(m.nodes[1], "x"), on_instability="switch")
+
+
+def test_step_limit_is_told():
+    m, middle, top = column()
+    m.add(kg.NodalLoad(top, (0, -1.0)))
+    res = kg.ArcLength(m, step=1e-3, stop=lambda step: step.lam > 1, max_steps=5).run()
+    assert len(res) == 6 and res.events[-1].kind == "step limit"

@@ -18,9 +18,9 @@ import kirigami as kg
 # %% [markdown]
 # ## The sheet
 #
-# 200 mm by 200 mm of polyester film, 0.3 mm thick, with a slit of 100 mm. A slit is a line without width; the mesh opens
-# along it. `clamp=True` holds the slope at the grips as well. All is in metres and newtons: the package knows no units,
-# so any consistent set will do. The upper grip moves by 0.1 mm at load factor 1.
+# 200 mm by 200 mm of polyester film, 0.3 mm thick, with a slit of 100 mm. A slit is a line without width; the mesh
+# opens along it. `clamp=True` holds the slope at the grips as well. All is in metres and newtons: the package knows no
+# units, so any consistent set will do. The upper grip moves by 0.1 mm at load factor 1.
 
 # %%
 THICKNESS, PULL = 0.3e-3, 0.1e-3
@@ -64,7 +64,7 @@ print(f"the flat sheet buckles at a pull of {1e3 * PULL * critical:.4f} mm, a st
 print(f"eigenvalues there: {first.value:.1e} and {second.value:.1e}")
 
 # %% [markdown]
-# In the softest mode both lips go to the same side, in the next one they part. Colours are heights, largest component 1.
+# In the softest mode both lips go to the same side, in the next one they part. Colours are heights, the largest is 1.
 
 # %%
 figure, axes = plt.subplots(1, 2, figsize=(7, 3.4), layout="constrained")
@@ -128,9 +128,9 @@ plt.show()
 #
 # Why does a small seed matter so much just there? Koiter's theory (1945) of a symmetric buckling point: the height h at
 # load factor lambda follows (1 - lambda / lambda_c) h - b h^3 + seed = 0 in suitable units. *At* the critical load the
-# linear term vanishes and h grows as the **cube root** of the seed: one a thousand times smaller still gives a tenth of
-# the height. The measured exponent tends to 1/3 as the seeds get small; the next term of the theory is of relative order
-# h^2, some per cent here.
+# linear term vanishes and h grows as the **cube root** of the seed: one a thousand times smaller still gives a tenth
+# of the height. The measured exponent tends to 1/3 as the seeds get small; the next term of the theory is of relative
+# order (h / t)^2, some per cent here.
 
 # %%
 seeds = np.array([1e-5, 1e-4, 1e-3])

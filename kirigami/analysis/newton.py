@@ -69,9 +69,7 @@ def _iterate(
     share = 0.0
     for iteration in range(max_iterations + 1):
         with np.errstate(all="ignore"):
-            total, scale = system.forces(u, lam)
-        residual = system.reduce(total)
-        relative = float(np.linalg.norm(residual)) / scale if scale > 0 else 0.0
+            residual, relative = system.imbalance(u, lam)
         gap, gap_q, gap_lam = control.equation(q, lam)
         history.append(relative)
 

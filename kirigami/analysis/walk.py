@@ -151,6 +151,8 @@ class PathAnalysis(Analysis):
                 return
             increments.adapt(increment, attempt)
             self._bar.move(increments.progress(control.value(point.state.q, point.state.lam)))
+        message = f"ended after {self.max_steps} steps, the most allowed, at load factor {results[-1].lam:.6g}"
+        results.events.append(Event("step limit", results[-1].lam, len(results) - 1, message))
 
     def _step(self, before: Point, increment: float, hard: bool) -> tuple[Attempt, Tangent | None]:
         """One increment by Newton's method, and by relaxation where that is allowed and called for."""

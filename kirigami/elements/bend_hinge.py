@@ -23,16 +23,16 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
+from kirigami.elements.angle import AngleKernel
 from kirigami.errors import ModelError
 from kirigami.kernel import Array, Contribution, Kernel, displacement_of
 from kirigami.model import ModelObject, Node, Numbering, require_finite, require_positive
 
-TURN = 2 * math.pi
 COLLINEAR = 1e-10  # a wing lower than this fraction of its edge has no direction
 
 
@@ -135,7 +135,7 @@ def _wing(edge: Array, wing: Array) -> tuple[Array, Array, Array]:
         return height, beta, off / height
 
 
-class BendHingeKernel(Kernel):
+class BendHingeKernel(AngleKernel):
     """All bending hinges; see the module's text for the formulas. Local nodes: i, j, k, l."""
 
     name = "hinges"
@@ -151,50 +151,28 @@ class BendHingeKernel(Kernel):
     ) -> None:
         self.rest, self.conn, self.stiffness, self.members = rest, conn, stiffness, members
         self._rest_vectors = _wing_vectors(rest, conn)
-        self._committed = np.zeros(len(conn))
-        initial = self._angle(*self._rest_vectors)
-        self._committed = initial.copy()
-        self._initial = initial
-        self.rest_angle = np.where(np.isnan(rest_angle), initial, rest_angle)
-
-    def arrays(self) -> dict[str, Any]:
-        return {name: getattr(self, name) for name in ("conn", "stiffness", "rest_angle", "members")}
-
-    # The angle is unwrapped against the last committed state, so it may pass any number of turns.
-    @property
-    def history(self) -> Array | None:
-        return self._committed
-
-    @history.setter
-    def history(self, value: Array | None) -> None:
-        self._committed = self._initial.copy() if value is None else np.array(value, dtype=float)
-
-    def commit(self, x: Array) -> None:
-        self._committed = self.deformation(x)
+        self._begin(self._raw_angle(*self._rest_vectors), rest_angle)
 
     def _vectors(self, x: Array) -> tuple[Array, Array, Array]:
         u = displacement_of(x, self.rest)
         e, a, b = _wing_vectors(u, self.conn)
         return self._rest_vectors[0] + e, self._rest_vectors[1] + a, self._rest_vectors[2] + b
 
-    def _angle(self, edge: Array, wing_i: Array, wing_l: Array) -> Array:
+    @staticmethod
+    def _raw_angle(edge: Array, wing_i: Array, wing_l: Array) -> Array:
         m, n = _cross(edge, wing_i), _cross(wing_l, edge)
-        angle = np.arctan2(np.sqrt(_dot(edge, edge)) * _dot(m, wing_l), _dot(m, n))
-        return self._committed + np.remainder(angle - self._committed + math.pi, TURN) - math.pi
+        angle: Array = np.arctan2(np.sqrt(_dot(edge, edge)) * _dot(m, wing_l), _dot(m, n))
+        return angle
 
     def deformation(self, x: Array) -> Array:
         """Unwrapped angle of each hinge (n,) [rad]."""
-        return self._angle(*self._vectors(x))
+        return self._unwrap(self._raw_angle(*self._vectors(x)))
 
     def deformation_rate(self, x: Array, change: Array) -> Array:
         """First-order change of the angle (n,) for a displacement change (n_nodes, 3)."""
         _, gradient = self._first_derivatives(*self._vectors(x))
         rate: Array = np.einsum("akn,nka->n", gradient, change[self.conn])
         return rate
-
-    def force(self, angle: Array) -> Array:
-        """Moment of each hinge (n,), positive where it is folded beyond its rest angle."""
-        return self.stiffness * (angle - self.rest_angle)
 
     @staticmethod
     def _first_derivatives(edge: Array, wing_i: Array, wing_l: Array) -> tuple[list[tuple[Array, ...]], Array]:
@@ -215,7 +193,7 @@ class BendHingeKernel(Kernel):
 
     def evaluate(self, x: Array, lam: float = 1.0, need: int = 2) -> Contribution:
         edge, wing_i, wing_l = self._vectors(x)
-        excess = self._angle(edge, wing_i, wing_l) - self.rest_angle
+        excess = self._unwrap(self._raw_angle(edge, wing_i, wing_l)) - self.rest_angle
         moment = self.stiffness * excess
         energy = 0.5 * moment * excess
         if need == 0:

@@ -14,16 +14,15 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
+from kirigami.elements.angle import TURN, AngleKernel
 from kirigami.errors import ModelError
 from kirigami.kernel import Array, Contribution, Kernel, displacement_of
 from kirigami.model import ModelObject, Node, Numbering, require_finite, require_positive
-
-TURN = 2 * math.pi
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -114,7 +113,7 @@ def _direction_hessian(arm: Array) -> Array:
     return np.array([[straight, mixed], [mixed, -straight]])
 
 
-class TorsionSpring3Kernel(Kernel):
+class TorsionSpring3Kernel(AngleKernel):
     """All torsion springs; see the module's text for the formulas. Local nodes: i, j, k."""
 
     name = "springs"
@@ -130,46 +129,26 @@ class TorsionSpring3Kernel(Kernel):
     ) -> None:
         self.rest, self.conn, self.stiffness, self.members = rest, conn, stiffness, members
         self._rest_arms = _arms(rest, conn)
-        self._committed = np.full(len(conn), math.pi)  # the first value lies in [0, 2 pi)
-        self._initial = np.remainder(self._angle(*self._rest_arms), TURN)
-        self._committed = self._initial.copy()
-        self.rest_angle = np.where(np.isnan(rest_angle), self._initial, rest_angle)
-
-    def arrays(self) -> dict[str, Any]:
-        return {name: getattr(self, name) for name in ("conn", "stiffness", "rest_angle", "members")}
-
-    @property
-    def history(self) -> Array | None:
-        return self._committed
-
-    @history.setter
-    def history(self, value: Array | None) -> None:
-        self._committed = self._initial.copy() if value is None else np.array(value, dtype=float)
-
-    def commit(self, x: Array) -> None:
-        self._committed = self.deformation(x)
+        raw = self._raw_angle(*self._rest_arms)
+        self._begin(raw + TURN * (raw < 0), rest_angle)
 
     def _current_arms(self, x: Array) -> tuple[Array, Array]:
         a, b = _arms(displacement_of(x, self.rest), self.conn)
         return self._rest_arms[0] + a, self._rest_arms[1] + b
 
-    def _angle(self, a: Array, b: Array) -> Array:
-        angle = np.arctan2(b[0] * a[1] - b[1] * a[0], a[0] * b[0] + a[1] * b[1])
-        unwrapped: Array = self._committed + np.remainder(angle - self._committed + math.pi, TURN) - math.pi
-        return unwrapped
+    @staticmethod
+    def _raw_angle(a: Array, b: Array) -> Array:
+        angle: Array = np.arctan2(b[0] * a[1] - b[1] * a[0], a[0] * b[0] + a[1] * b[1])
+        return angle
 
     def deformation(self, x: Array) -> Array:
         """Unwrapped angle of each spring (n,) [rad]."""
-        return self._angle(*self._current_arms(x))
+        return self._unwrap(self._raw_angle(*self._current_arms(x)))
 
     def deformation_rate(self, x: Array, change: Array) -> Array:
         """First-order change of the angle (n,) for a displacement change (n_nodes, 2)."""
         rate: Array = np.einsum("akn,nka->n", self._angle_gradient(*self._current_arms(x)), change[self.conn])
         return rate
-
-    def force(self, angle: Array) -> Array:
-        """Moment of each spring (n,), positive where the angle is above its rest value."""
-        return self.stiffness * (angle - self.rest_angle)
 
     @staticmethod
     def _angle_gradient(a: Array, b: Array) -> Array:
@@ -178,7 +157,7 @@ class TorsionSpring3Kernel(Kernel):
 
     def evaluate(self, x: Array, lam: float = 1.0, need: int = 2) -> Contribution:
         a, b = self._current_arms(x)
-        excess = self._angle(a, b) - self.rest_angle
+        excess = self._unwrap(self._raw_angle(a, b)) - self.rest_angle
         moment = self.stiffness * excess
         energy = 0.5 * moment * excess
         if need == 0:

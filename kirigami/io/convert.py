@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib
+import inspect
 import os
 from collections.abc import Callable
 from pathlib import Path
@@ -36,7 +37,7 @@ def read_drawing(path: str | os.PathLike[str], **options: Any) -> Drawing:
     Raises
     ------
     GeometryError
-        Another ending, or a drawing that cannot be read.
+        Another ending, an option that its reader does not have, or a drawing that cannot be read.
 
     Examples
     --------
@@ -45,6 +46,9 @@ def read_drawing(path: str | os.PathLike[str], **options: Any) -> Drawing:
     kirigami.errors.GeometryError: plate.step: drawings end in .dxf, .svg, .geojson, .json, .fold
     """
     read = _of_format("read", path)
+    unknown = sorted(options.keys() - inspect.signature(read).parameters.keys())
+    if unknown:
+        raise GeometryError(f"{path}: drawings of this kind are read without the option {', '.join(unknown)}")
     drawing: Drawing = read(path, **options)
     return drawing
 

@@ -1,114 +1,53 @@
-"""The command line: ``kirigami demo`` and whatever other commands there are.
-
-A command is two functions: one that adds its options to the parser, and one that runs and returns the exit code.
-Exit codes: 0 done, 1 an error of this package or of a file (said in one sentence), 2 wrong usage, 130 interrupted.
-"""
+"""``kirigami demo``: the curved-cell sheet of the published study, stretched."""
 
 from __future__ import annotations
 
 import argparse
 import os
-import sys
 import time
-import warnings
-from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
 import kirigami as kg
+from kirigami.cli.options import add_command, print_json, speaker
 
 DESCRIPTION = """\
-Mechanics of cut sheets by bars and hinges.
+Stretch a sheet of 2 x 2.4 m with 2 x 5 curved cells (3 mm thick, E = 2.5 GPa, nu = 0.34) by 0.4 m.
 
-Draw an outline and cuts, clamp the sheet and stretch it: kirigami follows its path through
-buckling and gives forces, shapes and open areas."""
+Writes cut_sheet.png, deformed.png, curves.png, stretch.gif and results.npz, which kirigami.load
+reads back."""
 
 EPILOG = """\
 examples:
-  kirigami demo                    stretch a built-in sheet; pictures and numbers in ./demo
+  kirigami demo                    pictures and numbers in ./demo
   kirigami demo --full             the same on the fine mesh of the published study
-  kirigami demo --folder out -q    say nothing, write to ./out
-
-'kirigami COMMAND --help' explains a command. In Python: import kirigami as kg; help(kg)."""
+  kirigami demo --folder out -q    say nothing, write to ./out"""
 
 
-def main(arguments: Sequence[str] | None = None) -> int:
-    """Run the command line and return the exit code.
-
-    Parameters
-    ----------
-    arguments : sequence of str, optional
-        Words after the program's name; None takes them from the command line.
-
-    Examples
-    --------
-    >>> main(["--version"])
-    Traceback (most recent call last):
-    SystemExit: 0
-    """
-    parser = make_parser()
-    options = parser.parse_args(arguments)
-    if options.command is None:
-        parser.print_help(sys.stderr)
-        return 2
-    try:
-        with warnings.catch_warnings():
-            warnings.showwarning = _say_warning
-            return int(options.run(options))
-    except kg.KirigamiError as error:
-        print(f"kirigami: {error}", file=sys.stderr)
-        return 1
-    except OSError as error:
-        print(f"kirigami: {error.strerror or error}: {error.filename}", file=sys.stderr)
-        return 1
-    except KeyboardInterrupt:
-        print("kirigami: interrupted", file=sys.stderr)
-        return 130
-
-
-def make_parser() -> argparse.ArgumentParser:
-    """The parser with all commands."""
-    parser = argparse.ArgumentParser(
-        prog="kirigami", description=DESCRIPTION, epilog=EPILOG, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
-    parser.add_argument("--version", action="version", version=f"kirigami {kg.__version__}")
-    commands = parser.add_subparsers(dest="command", metavar="COMMAND", title="commands")
-    add_demo(commands)
-    return parser
-
-
-def _say_warning(message: Warning | str, category: type[Warning], *place: Any, **more: Any) -> None:
-    print(f"kirigami: {'' if issubclass(category, kg.KirigamiWarning) else 'warning: '}{message}", file=sys.stderr)
-
-
-# ---- demo
-
-
-def add_demo(commands: Any) -> None:
+def add(commands: Any) -> None:
     """Options of ``kirigami demo``."""
-    parser = commands.add_parser(
+    parser = add_command(
+        commands,
         "demo",
+        run,
         help="stretch a built-in sheet and write pictures, an animation and the numbers",
-        description=(
-            "Stretch a sheet of 2 x 2.4 m with 2 x 5 curved cells (3 mm thick, E = 2.5 GPa, nu = 0.34) by 0.4 m. "
-            "Writes cut_sheet.png, deformed.png, curves.png, stretch.gif and results.npz, which "
-            "kirigami.load reads back."
-        ),
+        description=DESCRIPTION,
+        epilog=EPILOG,
     )
     parser.add_argument("--full", action="store_true", help="a mesh of about 7,500 nodes instead of 2,500")
     parser.add_argument("--folder", type=Path, default=Path("demo"), help="where to write (default: %(default)s)")
     parser.add_argument(
         "--frames", type=_frames, default=40, metavar="N", help="pictures in the animation (default: %(default)s)"
     )
-    parser.add_argument("-q", "--quiet", action="store_true", help="no progress bars and no numbers")
-    parser.set_defaults(run=demo)
 
 
-def demo(options: argparse.Namespace) -> int:
+def run(options: argparse.Namespace) -> int:
     """Stretch the curved-cell sheet of the published study."""
+    import numpy as np
+
     pull, cut_length = 0.4, 2.0  # m
     model, top = demo_model(max_edge=0.0575 if options.full else 0.135, pull=pull)
-    say: Callable[..., None] = _silent if options.quiet else print
+    say = speaker(options)
     options.folder.mkdir(parents=True, exist_ok=True)
     say(f"Stretching a sheet of 2 x 5 curved cells by {pull} m, {len(model.nodes)} nodes")
     knee = [0.002, 0.005, 0.01, 0.02, 0.035]  # buckling begins here: points for a smooth curve
@@ -138,6 +77,22 @@ def demo(options: argparse.Namespace) -> int:
     for event in results.events:
         say(f"  {'event':<15} {event}")
     say(f"Written to {options.folder}: {', '.join(path.name for path in written)}")
+    numbers = {
+        "nodes": len(model.nodes),
+        "strain": last / cut_length,
+        "displacement": last,
+        "cut_length": cut_length,
+        "largest_force": float(force[peak]),
+        "strain_at_largest_force": results.lam[peak] * pull / cut_length,
+        "open_area": float(area[-1]),
+        "height": float(np.ptp(height)),
+        "steps": len(results),
+        "stable_steps": int(results.stable.sum()),
+        "largest_residual": float(results.residual.max()),
+        "seconds": stats["seconds"]["total"],
+        "folder": options.folder,
+    }
+    print_json(options, numbers)
     return 130 if any(event.kind == "interrupted" for event in results.events) else 0
 
 
@@ -213,16 +168,9 @@ def save_picture(ax: Any, path: Path) -> Path:
     return path
 
 
-def _silent(*words: Any) -> None:
-    """In the place of print."""
-
 
 def _frames(text: str) -> int:
     number = int(text)
     if number < 2:
         raise argparse.ArgumentTypeError("an animation needs at least 2 pictures")
     return number
-
-
-if __name__ == "__main__":
-    sys.exit(main())

@@ -1,0 +1,84 @@
+"""The command line: ``kirigami demo``, ``stretch``, ``mesh``, ``info`` and ``export``.
+
+A command is a module with two functions: ``add`` adds its options to the parser, and ``run`` does the work and returns
+the exit code. Exit codes: 0 done, 1 an error of this package or of a file (said in one sentence) or a path that ended
+early, 2 wrong usage, 130 interrupted. What was asked for goes to stdout, everything else to stderr.
+"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+import warnings
+from collections.abc import Sequence
+from typing import Any
+
+import kirigami as kg
+from kirigami.cli import demo, export, info, mesh, stretch
+
+DESCRIPTION = """\
+Mechanics of cut sheets by bars and hinges.
+
+Draw an outline and cuts, clamp the sheet and stretch it: kirigami follows its path through
+buckling and gives forces, shapes and open areas."""
+
+EPILOG = """\
+examples:
+  kirigami demo                            stretch a built-in sheet; pictures and numbers in ./demo
+  kirigami stretch plate.dxf --thickness 0.1mm --E 3.5GPa --strain 20%
+                                           stretch your own; report in ./plate-stretched
+  kirigami info plate.svg                  what is outline, cut and fold, and how large
+  kirigami mesh plate.dxf -o plate.vtu     its mesh, for a look or for another program
+  kirigami export results.npz page.html    results as a page, table, surface, ParaView files
+
+'kirigami COMMAND --help' explains a command. In Python: import kirigami as kg; help(kg)."""
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run the command line and return the exit code.
+
+    Parameters
+    ----------
+    arguments : sequence of str, optional
+        Words after the program's name; None takes them from the command line.
+
+    Examples
+    --------
+    >>> main(["--version"])
+    Traceback (most recent call last):
+    SystemExit: 0
+    """
+    parser = make_parser()
+    options = parser.parse_args(arguments)
+    if options.command is None:
+        parser.print_help(sys.stderr)
+        return 2
+    try:
+        with warnings.catch_warnings():
+            warnings.showwarning = _say_warning
+            return int(options.run(options))
+    except kg.KirigamiError as error:
+        print(f"kirigami: {error}", file=sys.stderr)
+        return 1
+    except OSError as error:
+        print(f"kirigami: {error.strerror or error}: {error.filename}", file=sys.stderr)
+        return 1
+    except KeyboardInterrupt:
+        print("kirigami: interrupted", file=sys.stderr)
+        return 130
+
+
+def make_parser() -> argparse.ArgumentParser:
+    """The parser with all commands."""
+    parser = argparse.ArgumentParser(
+        prog="kirigami", description=DESCRIPTION, epilog=EPILOG, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("--version", action="version", version=f"kirigami {kg.__version__}")
+    commands = parser.add_subparsers(dest="command", metavar="COMMAND", title="commands")
+    for command in (demo, stretch, mesh, info, export):
+        command.add(commands)
+    return parser
+
+
+def _say_warning(message: Warning | str, category: type[Warning], *place: Any, **more: Any) -> None:
+    print(f"kirigami: {'' if issubclass(category, kg.KirigamiWarning) else 'warning: '}{message}", file=sys.stderr)

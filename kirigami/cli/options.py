@@ -1,0 +1,78 @@
+"""Options that several commands share, and how they speak."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import math
+from collections.abc import Callable
+from typing import Any
+
+from kirigami import units
+from kirigami.errors import ModelError
+
+READING = ("drawn_in", "outline", "cuts", "folds", "ignore", "tolerance")
+
+
+def add_command(
+    commands: Any, name: str, run: Callable[[argparse.Namespace], int], *, help: str, description: str, epilog: str
+) -> argparse.ArgumentParser:
+    """A command with what all commands have: --quiet and --json; line breaks of the texts are kept."""
+    parser: argparse.ArgumentParser = commands.add_parser(
+        name, help=help, description=description, epilog=epilog, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("-q", "--quiet", action="store_true", help="say nothing but warnings and errors")
+    parser.add_argument("--json", action="store_true", help="print the numbers as JSON, in SI units, instead of words")
+    parser.set_defaults(run=run)
+    return parser
+
+
+def add_reading(parser: argparse.ArgumentParser) -> None:
+    """Options that tell how a drawing is to be read."""
+    group = parser.add_argument_group(
+        "reading the drawing",
+        "Layers are told apart by their names ('outline', 'cuts', 'folds', ... in several languages)\n"
+        "and units are those of the file, unless said here. LAYER options may be given more than once.",
+    )
+    group.add_argument("--drawn-in", metavar="UNIT", help="unit of the drawing: mm, cm, in, ...")
+    for name, what in (
+        ("outline", "the rim of the sheet"), ("cuts", "what is cut"), ("folds", "what is folded, not cut"),
+        ("ignore", "what to leave out"),
+    ):  # fmt: skip
+        group.add_argument(f"--{name}", action="append", metavar="LAYER", help=f"layer or colour of {what}")
+    group.add_argument(
+        "--tolerance", type=float, metavar="SHARE", help="join ends nearer than this share of the size (1e-4)"
+    )
+
+
+def reading(options: argparse.Namespace) -> dict[str, Any]:
+    """The options of the reader that were given."""
+    return {name: value for name in READING if (value := getattr(options, name)) is not None}
+
+
+def quantity(kind: str) -> Callable[[str], float]:
+    """A type for argparse: a quantity with its unit, in SI units; what it is not is wrong usage."""
+
+    def parsed(text: str) -> float:
+        try:
+            return units.parse(text, kind)
+        except ModelError as error:
+            raise argparse.ArgumentTypeError(str(error)) from None
+
+    return parsed
+
+
+def speaker(options: argparse.Namespace) -> Callable[[str], None]:
+    """Where words for people go: to stdout, or nowhere where they are not wanted."""
+    return _silent if options.quiet or options.json else print
+
+
+def print_json(options: argparse.Namespace, content: dict[str, Any]) -> None:
+    """Print numbers for programs, if asked to; what is not finite becomes null, which every reader of JSON knows."""
+    if options.json:
+        finite = {k: None if isinstance(v, float) and not math.isfinite(v) else v for k, v in content.items()}
+        print(json.dumps(finite, indent=1, default=str))
+
+
+def _silent(words: str) -> None:
+    """In the place of print."""
