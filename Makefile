@@ -5,7 +5,7 @@ BIN = $(VENV)/bin
 # One thread each: the suite runs in two processes, and the default solver is sequential.
 THREADS = OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1
 
-.PHONY: demo test validate lint clean
+.PHONY: demo test validate external lint clean
 
 demo: $(VENV)/installed
 	$(BIN)/kirigami demo --folder demo
@@ -16,6 +16,11 @@ test: $(VENV)/installed
 # The long validations: the published sheets in full, and everything that takes more than seconds.
 validate: $(VENV)/installed
 	$(THREADS) MPLBACKEND=Agg $(BIN)/python -m pytest -m long
+
+# Runs CalculiX, OpenSeesPy and a headless browser: Debian packages calculix-ccx and chromium.
+external: $(VENV)/installed
+	$(BIN)/python -m pip install --quiet openseespy pyvista build
+	$(THREADS) MPLBACKEND=Agg $(BIN)/python -m pytest -m external
 
 lint: $(VENV)/installed
 	$(BIN)/ruff check kirigami tests examples

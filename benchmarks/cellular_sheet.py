@@ -55,11 +55,14 @@ def main(names: list[str]) -> None:
             once.append(time.process_time() - begin)
         print(res.summary())
         print(
-            f"wall {wall:.1f} s and CPU {cpu:.1f} s with building, {len(res)} stored steps, {res.stats['factorizations']} factorizations, "
-            f"largest relative residual {res.residual.max():.1e}, top force {res.reaction(top, 'y')[-1]:.1f}, "
+            f"wall {wall:.1f} s and CPU {cpu:.1f} s with building, {len(res)} stored steps, "
+            f"{res.stats['factorizations']} factorizations, largest relative residual {res.residual.max():.1e}, "
+            f"top force {res.reaction(top, 'y')[-1]:.1f}, "
             f"peak memory {resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024:.0f} MiB"
         )
-        print(f"one factorization {np.median(once):.3f} s (median of 5): the run cost {cpu / np.median(once):.0f} of them in CPU time\n")
+        cost = cpu / np.median(once)
+        typical = np.median(once)
+        print(f"one factorization {typical:.3f} s (median of 5): the run cost {cpu / typical:.0f} of them in CPU time\n")
 
 
 if __name__ == "__main__":

@@ -32,7 +32,8 @@ class BlockPlan:
         flips = []
         for kernel in kernels:
             k = kernel.conn.shape[1]
-            pairs = np.array(np.triu_indices(k)).T if kernel.pairs is None else np.array(kernel.pairs, dtype=int).reshape(-1, 2)
+            listed = np.array(np.triu_indices(k)).T if kernel.pairs is None else np.array(kernel.pairs, dtype=int)
+            pairs = listed.reshape(-1, 2)
             first, second = kernel.conn.T[pairs[:, 0]].ravel(), kernel.conn.T[pairs[:, 1]].ravel()
             codes.append(np.minimum(first, second) * nodes + np.maximum(first, second))
             flips.append(first > second)

@@ -96,6 +96,7 @@ class Framework:
 
     @property
     def unknowns(self) -> int:
+        """Number of free displacements."""
         return int(self.unknown.max(initial=-1)) + 1
 
     def vectors(self, points: Array | None = None) -> Array:
@@ -264,6 +265,16 @@ class Rigidity:
         Number of rigid motions among the zero modes.
     internal : ndarray, shape (k - rigid, unknowns)
         Zero modes orthogonal to the rigid motions.
+
+    Examples
+    --------
+    >>> import kirigami as kg
+    >>> m = kg.Model(dim=2)
+    >>> a, b, c = m.add(kg.Node(0, 0), kg.Node(1, 0), kg.Node(2, 0))
+    >>> objects = m.add(kg.Bar(a, b, EA=1.0), kg.Bar(b, c, EA=1.0), kg.Fix([a, c]))
+    >>> rigidity = kg.Framework.from_model(m).rigidity()     # straight: the middle node can move sideways
+    >>> rigidity.maxwell, len(rigidity.zero_modes), len(rigidity.self_stresses)
+    (0, 1, 1)
     """
 
     framework: Framework

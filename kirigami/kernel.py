@@ -47,6 +47,13 @@ class Contribution(NamedTuple):
 
     ``energy`` (n,); ``gradient`` (n, k, dim); ``hessian`` (n, k, k, dim, dim), or (n, pairs, dim, dim) for the
     kernels that list their local node ``pairs``.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import kirigami as kg
+    >>> kg.Contribution(energy=np.array([0.5])).gradient is None
+    True
     """
 
     energy: Array
@@ -70,6 +77,19 @@ class Kernel:
         True where the potential depends on the load factor, which it must do linearly.
     members : ndarray of int, shape (n,), or None
         Position of each member among the model's objects of its type.
+
+    Examples
+    --------
+    Weights that hang on two nodes:
+
+    >>> import numpy as np
+    >>> import kirigami as kg
+    >>> class Weights(kg.Kernel):
+    ...     name, pairs, conn = "weights", (), np.array([[0], [1]])
+    ...     def evaluate(self, x, lam=1.0, need=2):
+    ...         return kg.Contribution(energy=x[:, 2], gradient=np.array([[[0.0, 0.0, 1.0]]] * 2))
+    >>> kg.check_kernel(Weights(), [[0, 0, 0], [1, 0, 1]])["gradient"] < 1e-6
+    True
     """
 
     name: ClassVar[str] = "kernel"

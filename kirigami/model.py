@@ -6,19 +6,21 @@ import math
 from collections import Counter
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, ClassVar, overload
+from typing import TYPE_CHECKING, Any, ClassVar, TypeVar, overload
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from kirigami.errors import GeometryError, ModelError
-from kirigami.io.methods import ModelFiles
+from kirigami.file_methods import ModelFiles
 
 if TYPE_CHECKING:
     from kirigami.geometry.mesh import TriMesh
     from kirigami.kernel import Array, Kernel
     from kirigami.results import Step
     from kirigami.stiffness import Calibration, SheetConstants
+
+Item = TypeVar("Item")
 
 
 def require_finite(value: Any, name: str, owner: str) -> float:
@@ -252,7 +254,9 @@ class Model(ModelFiles):
         return model
 
     @overload
-    def add(self, item: Any, /) -> Any: ...
+    def add(self, item: Item, /) -> Item: ...
+    @overload
+    def add(self, first: Node, second: Node, /, *more: Node) -> tuple[Node, ...]: ...
     @overload
     def add(self, *items: Any) -> tuple[Any, ...]: ...
     def add(self, *items: Any) -> Any:
@@ -371,22 +375,27 @@ class Model(ModelFiles):
 
     @property
     def nodes(self) -> list[Node]:
+        """The nodes, in the order added."""
         return self._nodes
 
     @property
     def elements(self) -> list[Any]:
+        """Bars, hinges and springs, in the order added."""
         return self._objects["element"]
 
     @property
     def constraints(self) -> list[Any]:
+        """What is fixed, prescribed or tied, in the order added."""
         return self._objects["constraint"]
 
     @property
     def loads(self) -> list[Any]:
+        """The loads, in the order added."""
         return self._objects["load"]
 
     @property
     def effects(self) -> list[Any]:
+        """Everything else that makes force, in the order added."""
         return self._objects["effect"]
 
     @property
@@ -506,7 +515,7 @@ class Model(ModelFiles):
         return f"<b>{title}</b>, {self.dim}D<table><tr><td>nodes</td><td>{len(self._nodes)}</td></tr>{rows}</table>"
 
     def plot(self, **options: Any) -> Any:
-        """Draw the rest state with supports and loads; returns matplotlib axes (see :func:`kirigami.plot.plot_model`)."""
+        """Draw the rest state with supports and loads; returns axes (see :func:`kirigami.plot.plot_model`)."""
         from kirigami.plot import plot_model
 
         return plot_model(self, **options)

@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from kirigami.constraints import AXES
 from kirigami.errors import AnalysisError, ModelError
-from kirigami.io.methods import ResultsFiles
+from kirigami.file_methods import ResultsFiles
 from kirigami.kernel import Array, Configuration, Kernel
 from kirigami.model import Model, Node
 
@@ -45,6 +45,16 @@ class Step:
         What history-dependent kernels need to go on from here.
     stage : int
         How often :meth:`Model.hold` had been called.
+
+    Examples
+    --------
+    >>> import kirigami as kg
+    >>> m = kg.Model(dim=2)
+    >>> a, b = m.add(kg.Node(0, 0), kg.Node(1, 0))
+    >>> objects = m.add(kg.Bar(a, b, EA=10.0), kg.Fix(a), kg.Fix(b, "y"), kg.NodalLoad(b, (1, 0)))
+    >>> step = kg.LoadControl(m).run()[-1]
+    >>> step.lam, step.stable, step.residual < 1e-8
+    (1.0, True, True)
     """
 
     lam: float
@@ -113,6 +123,13 @@ class Event:
         Load factors of the steps on both sides.
     u : ndarray, shape (n, 3), or None
         Displacements at a located point.
+
+    Examples
+    --------
+    >>> import kirigami as kg
+    >>> event = kg.Event("interrupted", lam=0.4, step=7, message="interrupted after load factor 0.4")
+    >>> print(event)
+    interrupted after load factor 0.4
     """
 
     kind: str
@@ -156,7 +173,8 @@ class Results(ResultsFiles):
         self.steps: list[Step] = []
         self.events: list[Event] = []
         self.stats: dict[str, Any] = {
-            "iterations": 0, "factorizations": 0, "steps": 0, "cutbacks": 0, "relaxations": 0, "backend": "", "seconds": {}
+            "iterations": 0, "factorizations": 0, "steps": 0, "cutbacks": 0, "relaxations": 0,
+            "backend": "", "seconds": {},
         }  # fmt: skip
         self.model: Model | None = system.model
         self.name = system.model.name
@@ -421,8 +439,8 @@ class Results(ResultsFiles):
                 f"{stable} stable, largest relative residual {np.nanmax(self.residual):.1e}"
             )
         lines.append(
-            f"{stats['iterations']} iterations, {stats['factorizations']} factorizations ({stats['backend'] or 'none'}), "
-            f"{stats['cutbacks']} cutbacks, {stats['relaxations']} relaxations"
+            f"{stats['iterations']} iterations, {stats['factorizations']} factorizations "
+            f"({stats['backend'] or 'none'}), {stats['cutbacks']} cutbacks, {stats['relaxations']} relaxations"
         )
         lines += [f"event: {event}" for event in self.events]
         seconds = stats["seconds"]

@@ -21,7 +21,7 @@ FORMAT = 1  # version of the results file
 def save(results: Results, path: str | os.PathLike[str]) -> Path:
     """Write `results` under another name and then rename, so that no broken file is left behind."""
     target = Path(path)
-    arrays: dict[str, Any] = {"rest": results.rest, "constrained": results.constrained, "u": results.u, "lam": results.lam}
+    arrays: dict[str, Any] = {name: getattr(results, name) for name in ("rest", "constrained", "u", "lam")}
     kernels = []
     for position, kernel in enumerate(results.kernels):
         plain: dict[str, Any] = {}
@@ -87,6 +87,19 @@ def load(path: str | os.PathLike[str]) -> Results:
     ------
     AnalysisError
         No such file, or not a results file of a known version.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> from pathlib import Path
+    >>> import kirigami as kg
+    >>> m = kg.Model(dim=2)
+    >>> a, b = m.add(kg.Node(0, 0), kg.Node(1, 0))
+    >>> objects = m.add(kg.Bar(a, b, EA=10.0), kg.Fix(a), kg.Fix(b, "y"), kg.NodalLoad(b, (1, 0)))
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     res = kg.load(kg.LinearStatic(m).run().save(Path(folder) / "rod.npz"))
+    >>> float(round(res.position(1)[-1, 0], 9))
+    1.1
     """
     try:
         with np.load(path, allow_pickle=False) as file:
@@ -130,7 +143,14 @@ def _rebuild(head: dict[str, Any], data: dict[str, Any]) -> Results:
         )
         results.steps.append(
             Step(
-                float(data["lam"][index]), data["u"][index], negative, residual, over_reaction, iterations, history, stage
+                lam=float(data["lam"][index]),
+                u=data["u"][index],
+                negative=negative,
+                residual=residual,
+                residual_over_reaction=over_reaction,
+                iterations=iterations,
+                history=history,
+                stage=stage,
             )
         )
     results.events = [

@@ -21,7 +21,6 @@ from kirigami.errors import MechanismError, ModelError
 from kirigami.kernel import Array, Configuration, Kernel
 from kirigami.model import Model, ModelObject, Numbering
 
-
 ROUNDING = 2e-15  # strain or angle [rad] that rounding alone may leave in a member
 
 
@@ -140,7 +139,8 @@ class System:
             if np.any(leader[following] == following):
                 dof = int(following[leader[following] == following][0])
                 node = numbering.model.nodes[dof // self.dim]
-                raise ModelError(f"ties go round in a circle at {numbering.describe(node)} along {AXES[dof % self.dim]}")
+                axis = AXES[dof % self.dim]
+                raise ModelError(f"ties go round in a circle at {numbering.describe(node)} along {axis}")
         tied = np.flatnonzero(leader != np.arange(dofs))
         drive[tied] += drive[leader[tied]]
         held[tied] += held[leader[tied]]
@@ -225,8 +225,8 @@ class System:
     def unknowns(self, u: Array) -> Array:
         """Unknowns (free,) of displacements `u` (n, dim or 3)."""
         flat = np.asarray(u, dtype=float)[:, : self.dim].ravel()
-        q: Array = flat[self.heads]
-        return q.copy()
+        q: Array = flat[self.heads].copy()
+        return q
 
     def constraint_error(self, u: Array, lam: float) -> float:
         """Largest violation [length] of the constraints by displacements `u` (n, dim or 3)."""
@@ -241,6 +241,7 @@ class System:
         self.drive = self.drive - ahead
 
     def configuration(self, u: Array) -> Configuration:
+        """Current positions (n, dim) at displacements `u` (n, dim or 3)."""
         return Configuration(self.rest, np.asarray(u, dtype=float)[:, : self.dim])
 
     def reduce(self, full: Array) -> Array:
@@ -361,6 +362,7 @@ class System:
 
     @property
     def plan(self) -> BlockPlan:
+        """Where each Hessian block goes; made once, when first needed."""
         if self._blocks_plan is None:
             with self.clock("assembly plan"):
                 self._blocks_plan = BlockPlan(self.kernels, len(self.rest))
@@ -375,11 +377,13 @@ class System:
     # ---- history
 
     def commit(self, u: Array) -> None:
+        """Accept displacements `u` (n, dim or 3) as an equilibrium: history-dependent kernels move on."""
         x = self.configuration(u)
         for kernel in self.kernels:
             kernel.commit(x)
 
     def revert(self) -> None:
+        """Forget everything since the last commit."""
         for kernel in self.kernels:
             kernel.revert()
 
@@ -401,6 +405,7 @@ class System:
 
     @property
     def history(self) -> tuple[Array | None, ...]:
+        """Committed state of each kernel, to store with a step and to go back to."""
         return tuple(None if kernel.history is None else kernel.history.copy() for kernel in self.kernels)
 
     @history.setter

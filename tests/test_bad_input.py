@@ -24,7 +24,7 @@ def truss(dim: int = 2) -> tuple[kg.Model, tuple[kg.Node, ...]]:
 
 @pytest.mark.parametrize("value", [0.0, -1.0, math.nan, math.inf, "stiff", None])
 def test_stiffness_must_be_positive_and_finite(nodes, value):
-    i, j, k, l, _ = nodes  # noqa: E741
+    i, j, k, l, _ = nodes
     for make in (
         lambda: kg.Bar(j, k, EA=value),
         lambda: kg.BendHinge(k, i, j, l, value),
@@ -61,7 +61,7 @@ def test_zero_length_bar_is_named_with_its_nodes():
 
 def test_collinear_wing_is_named():
     m = kg.Model()
-    i, j, k, l = m.add(kg.Node(0.5, 0), kg.Node(0, 0), kg.Node(1, 0), kg.Node(0, -1))  # noqa: E741
+    i, j, k, l = m.add(kg.Node(0.5, 0), kg.Node(0, 0), kg.Node(1, 0), kg.Node(0, -1))
     m.add(kg.BendHinge(i, j, k, l, 1.0))
     with pytest.raises(kg.ModelError, match="wing node 0 .*stand off the line"):
         kg.System(m)
@@ -176,7 +176,7 @@ def test_dimension_mismatch():
     m = kg.Model(dim=2)
     with pytest.raises(kg.ModelError, match="dim=2"):
         m.add(kg.Node(0, 0, 1))
-    i, j, k, l = m.add(kg.Node(0, 1), kg.Node(0, 0), kg.Node(1, 0), kg.Node(0, -1))  # noqa: E741
+    i, j, k, l = m.add(kg.Node(0, 1), kg.Node(0, 0), kg.Node(1, 0), kg.Node(0, -1))
     m.add(kg.BendHinge(i, j, k, l, 1.0))
     with pytest.raises(kg.ModelError, match="dim=3"):
         kg.System(m)

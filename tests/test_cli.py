@@ -105,7 +105,8 @@ def test_wrong_units_are_explained(capsys: pytest.CaptureFixture[str]) -> None:
 
 def test_no_command_shows_the_help(capsys: pytest.CaptureFixture[str]) -> None:
     assert cli.main([]) == 2
-    assert "kirigami demo --full" in capsys.readouterr().err
+    said = capsys.readouterr().err
+    assert all(f"  kirigami {command} " in said for command in COMMANDS)
 
 
 def test_an_error_of_the_package_is_a_sentence(
@@ -160,7 +161,7 @@ def test_help_is_quick_and_fits(command: str) -> None:
     done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
     assert "--json" in done.stdout and "--quiet" in done.stdout
-    assert max(map(len, done.stdout.splitlines())) <= 101
+    assert max(map(len, done.stdout.splitlines())) <= 100
     examples = [line.strip() for line in done.stdout.splitlines() if line.strip().startswith(f"kirigami {command}")]
     assert examples
     for example in examples:
@@ -237,6 +238,20 @@ def test_an_interrupted_stretch_keeps_what_was_found(
     assert cli.main(["stretch", PLATE, *SHEET, "--folder", str(tmp_path)]) == 130
     assert len(kg.load(tmp_path / "results.npz")) == 1
     assert "the path ended at 0 % of the way" in capsys.readouterr().out
+
+
+def test_a_sheet_without_equilibrium_at_rest_is_a_sentence(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def lost(analysis: PathAnalysis, progress: bool, on_failure: str) -> kg.Results:
+        results = kg.Results(kg.System(analysis.model))
+        results.events.append(kg.Event("failed", 0.0, 0, "no equilibrium found at the start"))
+        return results
+
+    monkeypatch.setattr(PathAnalysis, "run", lost)
+    assert cli.main(["stretch", PLATE, *SHEET, "--folder", str(tmp_path / "out")]) == 1
+    assert capsys.readouterr().err == "kirigami: no equilibrium found at the start\n"
+    assert not list(tmp_path.iterdir())
 
 
 @pytest.mark.parametrize(

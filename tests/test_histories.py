@@ -148,7 +148,7 @@ def test_damaged_results_file(tmp_path):
 def test_angle_history_survives_a_restart_beyond_pi():
     """A hinge wound by one and a half turns goes on from a stored step, also one read from a file."""
     m = kg.Model()
-    i, j, k, l = m.add(kg.Node(0.5, 1), kg.Node(0, 0), kg.Node(1, 0), kg.Node(0.5, -1))  # noqa: E741
+    i, j, k, l = m.add(kg.Node(0.5, 1), kg.Node(0, 0), kg.Node(1, 0), kg.Node(0.5, -1))
     hinge = m.add(kg.BendHinge(i, j, k, l, 1.0, rest_angle=0.0))
     bars = [m.add(kg.Bar(a, b, 1e3)) for a, b in ((i, j), (i, k), (j, k), (l, j), (l, k))]
     m.add(kg.Fix([i, j, k]))

@@ -10,7 +10,6 @@ from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 import pytest
 
 import kirigami as kg
@@ -61,9 +60,7 @@ SIGNATURES = {
     "Kernel.commit": "(self, x)",
     "Kernel.revert": "(self)",
     "Kernel.update": "(self, x)",
-    "cuts.curved_cells": None,
-    "cuts.parallel_slits": None,
-}  # fmt: skip
+}
 UNSTATED = (inspect.Parameter.VAR_POSITIONAL, inspect.Parameter.VAR_KEYWORD)
 
 
@@ -84,8 +81,6 @@ def stated(signature: str) -> list[inspect.Parameter]:
 def test_signature(name: str) -> None:
     """The stated parameters come first, in order, by kind and default; others may follow if they can be left out."""
     actual = list(inspect.signature(resolve(name)).parameters.values())
-    if SIGNATURES[name] is None:
-        return
     wanted = stated(SIGNATURES[name])
     positional = [p for p in wanted if p.kind is inspect.Parameter.POSITIONAL_OR_KEYWORD]
     assert [p.name for p in actual[: len(positional)]] == [p.name for p in positional]
@@ -101,3 +96,111 @@ def test_signature(name: str) -> None:
     names = {p.name for p in wanted}
     for extra in actual:
         assert extra.name in names or extra.kind in UNSTATED or extra.default is not extra.empty, extra
+
+
+@pytest.mark.parametrize("name", kg.__all__)
+def test_every_name_explains_itself_and_shows_an_example(name: str) -> None:
+    found = getattr(kg, name)
+    if name == "__version__":
+        assert found.count(".") == 2
+        return
+    assert found.__doc__ and found.__doc__.strip(), f"{name} has no docstring"
+    if inspect.isclass(found) or inspect.isfunction(found):
+        assert ">>> " in found.__doc__, f"the docstring of {name} has no example"
+        # An inherited docstring describes another class.
+        assert inspect.isfunction(found) or "__doc__" in vars(found), name
+
+
+@pytest.mark.parametrize("name", [name for name in kg.__all__ if inspect.isclass(getattr(kg, name))])
+def test_public_methods_have_docstrings(name: str) -> None:
+    cls = getattr(kg, name)
+    bare = [
+        method
+        for method, found in inspect.getmembers(cls)
+        if not method.startswith("_")
+        and (inspect.isfunction(found) or inspect.ismethod(found) or isinstance(found, property))
+        and not inspect.getdoc(found)
+    ]
+    assert not bare, f"{name} has methods without a docstring: {bare}"
+
+
+def test_completion_lists_public_names_only() -> None:
+    """Also in a fresh process, where nothing has been loaded yet, and after everything has."""
+    for name in kg.__all__:
+        getattr(kg, name)
+    assert dir(kg) == sorted(kg.__all__)
+    assert len(set(kg.__all__)) == len(kg.__all__)
+    assert not [name for name in kg.__all__ if name.startswith("_") and name != "__version__"]
+    code = "import kirigami; print(*dir(kirigami))"
+    shown = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout
+    assert shown.split() == sorted(kg.__all__)
+
+
+def test_editors_see_the_names_that_load_on_first_use() -> None:
+    """Names are loaded by `__getattr__`; the imports under TYPE_CHECKING tell type checkers and editors the same."""
+    tree = ast.parse(Path(kg.__file__).read_text())
+    blocks = [
+        node for node in tree.body if isinstance(node, ast.If) and ast.unparse(node.test).endswith("TYPE_CHECKING")
+    ]
+    seen = {alias.asname for block in blocks for line in block.body for alias in line.names}  # type: ignore[attr-defined]
+    assert seen | {"__version__"} == set(kg.__all__)
+
+
+def test_import_is_light_and_silent() -> None:
+    """Nothing but the package itself and the standard library is loaded, and no warning is given."""
+    code = (
+        "import sys, kirigami; "
+        "print(*sorted({m.split('.')[0] for m in sys.modules} & {'scipy', 'shapely', 'matplotlib', 'triangle'}))"
+    )
+    done = subprocess.run([sys.executable, "-W", "error", "-c", code], capture_output=True, text=True)
+    assert (done.returncode, done.stdout.strip(), done.stderr) == (0, "", "")
+
+
+def test_every_module_imports_without_a_warning() -> None:
+    code = (
+        "import importlib, pkgutil, kirigami\n"
+        "for module in pkgutil.walk_packages(kirigami.__path__, 'kirigami.'):\n"
+        "    if not module.name.endswith('__main__'):\n"
+        "        importlib.import_module(module.name)"
+    )
+    done = subprocess.run([sys.executable, "-W", "error", "-c", code], capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+
+
+def test_unknown_name_is_an_attribute_error() -> None:
+    with pytest.raises(AttributeError, match="no attribute 'Baar'"):
+        kg.Baar  # noqa: B018
+
+
+def test_package_is_marked_as_typed() -> None:
+    assert files("kirigami").joinpath("py.typed").is_file()
+
+
+def test_errors_form_one_family() -> None:
+    for error in (kg.GeometryError, kg.ModelError):
+        assert issubclass(error, kg.KirigamiError) and issubclass(error, ValueError)
+    assert issubclass(kg.MechanismError, kg.KirigamiError)
+    assert issubclass(kg.ConvergenceError, kg.AnalysisError) and issubclass(kg.AnalysisError, kg.KirigamiError)
+    error = kg.ConvergenceError("no equilibrium found", hint="smaller step")
+    for name in ("results", "history", "worst_nodes", "hint"):
+        assert hasattr(error, name)
+
+
+def test_results_have_the_promised_shapes() -> None:
+    """A sheet of two facets, lifted at one corner: every stored quantity by its shape."""
+    mesh = kg.TriMesh([[0, 0], [1, 0], [1, 1], [0, 1]], [[0, 1, 2], [0, 2, 3]])
+    m = kg.Model.from_mesh(mesh, thickness=0.01, material=kg.Material(E=1e9))
+    m.add(kg.Fix(m.nodes[:3]), kg.Prescribe(m.nodes[3], z=0.1))
+    res = kg.DisplacementControl(m).run()
+    s, n = len(res.lam), len(m.nodes)
+    assert s > 2
+    assert res.lam.shape == res.stable.shape == (s,) and res.stable.dtype == bool
+    assert res.u.shape == res.position().shape == (s, n, 3)
+    assert res.position(m.nodes[3]).shape == (s, 3) and res.position(m.nodes[:3]).shape == (s, 3, 3)
+    assert res.reaction(m.nodes[3], "z").shape == (s,)
+    assert res.bar_force.shape == res.bar_strain.shape == (s, 5)
+    assert res.hinge_angle.shape == res.hinge_moment.shape == (s, 1)
+    assert all(values.shape == (s,) for values in res.energy.values()) and {"bars", "hinges"} <= set(res.energy)
+    assert isinstance(res[-1], kg.Step) and res[-1].u.shape == (n, 3)
+    assert isinstance(res.events, list)
+    assert {"iterations", "factorizations", "steps", "cutbacks", "seconds"} <= set(res.stats)

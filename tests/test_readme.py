@@ -14,7 +14,11 @@ README = Path(__file__).resolve().parent.parent / "README.md"
 def test_first_script_runs_unchanged(tmp_path):
     script = re.search(r"```python\n(.*?)```", README.read_text(), re.DOTALL).group(1)
     done = subprocess.run(
-        [sys.executable, "-c", script], cwd=tmp_path, capture_output=True, text=True, env={**os.environ, "MPLBACKEND": "Agg"}
+        [sys.executable, "-c", script],
+        cwd=tmp_path,
+        capture_output=True,
+        text=True,
+        env={**os.environ, "MPLBACKEND": "Agg"},
     )
     assert done.returncode == 0, done.stderr
     force, area = map(float, re.search(r"force at 4 cm: ([\d.]+) N, open area: ([\d.]+) cm2", done.stdout).groups())

@@ -127,8 +127,8 @@ print(", ".join(f"{name} {1e3 * energy:.4f}" for name, energy in stored.items())
 # the force goes with the cube of the thickness.
 #
 # **A finer mesh changes little.** How much it changes is the best estimate of the error that you can get without
-# another program: here some per cent, for a few facets across each ring. (For a second opinion, `kirigami.io.abaqus.to_abaqus` and `kirigami.io.opensees.to_openseespy` hand
-# the same sheet to a shell code.)
+# another program: here some per cent, for a few facets across each ring. (For a second opinion, `to_abaqus` and
+# `to_openseespy` in `kirigami.io` hand the same sheet to a shell code.)
 
 # %%
 for max_edge in (0.01, 0.006, 0.004):

@@ -28,6 +28,15 @@ class Mode:
         Eigenvalue: stiffness over mass of the shape.
     shape : ndarray, shape (n, 3)
         Largest component 1, the first of the largest entries positive.
+
+    Examples
+    --------
+    >>> import kirigami as kg
+    >>> m = kg.Model(dim=2)
+    >>> a, b = m.add(kg.Node(0, 0), kg.Node(1, 0))
+    >>> objects = m.add(kg.Bar(a, b, EA=3.0), kg.Fix(a), kg.Fix(b, "y"))
+    >>> kg.Eigen(m, n=1).run()[0]
+    Mode(value=3)
     """
 
     value: float

@@ -20,7 +20,6 @@ Three things carry it through the sharp corners of thin sheets; the residual sta
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -139,7 +138,7 @@ def _hopeless(history: list[float]) -> bool:
 
 
 def _push(system: System, factor: Factor, u: Array, lam: float) -> Array:
-    """A small move (free,) along the mode nearest to neutral, found by inverse iteration; its largest entry is positive."""
+    """A small move (free,) along the mode nearest to neutral, by inverse iteration; its largest entry is positive."""
     mode = np.random.default_rng(0).normal(size=system.free)
     for _ in range(8):
         mode = factor.solve(mode)

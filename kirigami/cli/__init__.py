@@ -61,7 +61,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
         print(f"kirigami: {error}", file=sys.stderr)
         return 1
     except OSError as error:
-        print(f"kirigami: {error.strerror or error}: {error.filename}", file=sys.stderr)
+        where = f": {error.filename}" if error.filename else ""
+        print(f"kirigami: {error.strerror or error}{where}", file=sys.stderr)
         return 1
     except KeyboardInterrupt:
         print("kirigami: interrupted", file=sys.stderr)

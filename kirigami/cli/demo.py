@@ -168,7 +168,6 @@ def save_picture(ax: Any, path: Path) -> Path:
     return path
 
 
-
 def _frames(text: str) -> int:
     number = int(text)
     if number < 2:

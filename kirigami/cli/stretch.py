@@ -25,7 +25,7 @@ pascals and plain ratios. What was understood is echoed, and what looks like a s
 
 examples:
   kirigami stretch plate.dxf --thickness 0.1mm --E 3.5GPa
-  kirigami stretch plate.svg --thickness 75um --E 5GPa --nu 0.34 --strain 30% --direction x --grip 5mm
+  kirigami stretch plate.svg --thickness 75um --E 5GPa --strain 30% --direction x --grip 5mm
   kirigami stretch plate.dxf --thickness 0.1mm --E 3.5GPa --drawn-in in --cuts red --outline black
   kirigami stretch plate.dxf --thickness 0.1mm --E 3.5GPa --max-edge 5mm --json | jq .largest_force
 

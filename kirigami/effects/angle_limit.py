@@ -18,7 +18,8 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from kirigami.elements.torsion_spring import TURN, TorsionSpring3, TorsionSpring3Kernel
+from kirigami.elements.angle import TURN
+from kirigami.elements.torsion_spring import TorsionSpring3, TorsionSpring3Kernel
 from kirigami.errors import ModelError
 from kirigami.kernel import Array, Contribution, Kernel
 from kirigami.model import ModelObject, Node, Numbering, require_finite, require_positive

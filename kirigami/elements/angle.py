@@ -20,6 +20,8 @@ class AngleKernel(Kernel):
 
     stiffness: Array
     rest_angle: Array
+    _initial: Array
+    _committed: Array
 
     def _begin(self, initial: Array, rest_angle: Array) -> None:
         """Start from the angles of the rest state; nan among the rest angles takes them over."""
@@ -33,7 +35,8 @@ class AngleKernel(Kernel):
         Whole turns are added, so that the same raw angle gives the same value to the last digit: a structure at rest
         has moments of exactly zero.
         """
-        return angle + TURN * np.round((self._committed - angle) / TURN)
+        unwrapped: Array = angle + TURN * np.round((self._committed - angle) / TURN)
+        return unwrapped
 
     @property
     def history(self) -> Array | None:

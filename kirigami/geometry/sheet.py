@@ -12,12 +12,12 @@ from numpy.typing import NDArray
 from shapely.geometry.base import BaseGeometry
 
 from kirigami.errors import GeometryError, KirigamiWarning
+from kirigami.file_methods import SheetFiles
 from kirigami.geometry.clean import Drawing, clean
 from kirigami.geometry.mesh import TriMesh
 from kirigami.geometry.refine import LONGEST, signed_areas, triangulate_drawing
 from kirigami.geometry.triangulate import Triangulation
 from kirigami.geometry.unzip import find_cuts, unzip
-from kirigami.io.methods import SheetFiles
 
 if TYPE_CHECKING:
     from kirigami.model import Material

@@ -1,4 +1,4 @@
-"""Units are the user's: lengths times s give forces times s^2 and energies times s^3; E times r gives forces times r."""
+"""Units are the user's: lengths times s give forces times s^2, energies times s^3; E times r gives forces times r."""
 
 from __future__ import annotations
 

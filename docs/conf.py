@@ -1,0 +1,73 @@
+"""The documentation site: ``make docs``, or ``sphinx-build -W docs docs/_build/html``."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from typing import Any
+
+HERE = Path(__file__).resolve().parent
+sys.path.insert(0, str(HERE.parent / "tools"))
+
+import notebooks  # noqa: E402
+
+import kirigami  # noqa: E402
+
+# The tutorials are scripts; the site shows them as notebooks, run while it is built.
+notebooks.convert(HERE / "tutorials")
+
+project = "kirigami"
+author = "the authors of kirigami"
+release = version = kirigami.__version__
+
+extensions = [
+    "sphinx.ext.autodoc",
+    "sphinx.ext.autosummary",
+    "sphinx.ext.napoleon",
+    "sphinx.ext.viewcode",
+    "myst_nb",
+]
+exclude_patterns = ["_build", "generated/.*"]
+templates_path = ["_templates"]
+
+autosummary_generate = True
+autodoc_typehints = "none"  # types and shapes are in the text of the docstrings
+autodoc_member_order = "bysource"
+napoleon_google_docstring = False
+napoleon_use_param = False  # types are plain words, not names to link to
+napoleon_use_rtype = False
+napoleon_use_ivar = True  # attributes are described once, with their class
+
+myst_enable_extensions = ["colon_fence"]
+nb_execution_mode = "cache"
+nb_execution_cache_path = str(HERE / "_build" / "notebooks")
+nb_execution_timeout = 300
+nb_execution_raise_on_error = True
+nb_merge_streams = True
+
+html_theme = "furo"
+html_title = f"kirigami {version}"
+html_show_sphinx = False
+html_copy_source = False
+
+
+def formulas_as_written(app: Any, what: str, name: str, item: Any, options: Any, lines: list[str]) -> None:
+    """Show indented paragraphs in the text at the head of a module as they stand: they are formulas."""
+    if what != "module":
+        return
+    shown: list[str] = []
+    formula = False
+    for line in lines:
+        indented = line.startswith("    ")
+        if line and indented != formula:
+            if indented:
+                shown += ["", "::", ""]
+            elif shown[-1]:
+                shown.append("")
+            formula = indented
+        shown.append(line if indented else line.replace("|", "\\|"))
+    lines[:] = shown
+
+
+def setup(app: Any) -> None:
+    app.connect("autodoc-process-docstring", formulas_as_written)
