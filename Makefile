@@ -5,7 +5,7 @@ BIN = $(VENV)/bin
 # One thread each: the suite runs in two processes, and the default solver is sequential.
 THREADS = OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1
 
-.PHONY: demo test validate external lint clean
+.PHONY: demo test validate external notebooks docs lint clean
 
 demo: $(VENV)/installed
 	$(BIN)/kirigami demo --folder demo
@@ -21,6 +21,13 @@ validate: $(VENV)/installed
 external: $(VENV)/installed
 	$(BIN)/python -m pip install --quiet openseespy pyvista build
 	$(THREADS) MPLBACKEND=Agg $(BIN)/python -m pytest -m external
+
+notebooks: $(VENV)/installed
+	$(BIN)/python tools/notebooks.py notebooks
+
+docs: $(VENV)/installed
+	$(BIN)/python -m pip install --quiet -e ".[dev,docs]"
+	$(BIN)/python -m sphinx -W -b html docs docs/_build/html
 
 lint: $(VENV)/installed
 	$(BIN)/ruff check kirigami tests examples

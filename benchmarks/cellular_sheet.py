@@ -60,7 +60,6 @@ def main(names: list[str]) -> None:
             f"top force {res.reaction(top, 'y')[-1]:.1f}, "
             f"peak memory {resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024:.0f} MiB"
         )
-        cost = cpu / np.median(once)
         typical = np.median(once)
         print(f"one factorization {typical:.3f} s (median of 5): the run cost {cpu / typical:.0f} of them in CPU time\n")
 

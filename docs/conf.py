@@ -30,6 +30,7 @@ extensions = [
 exclude_patterns = ["_build", "generated/.*"]
 templates_path = ["_templates"]
 
+default_role = "code"  # a name in single backticks is code
 autosummary_generate = True
 autodoc_typehints = "none"  # types and shapes are in the text of the docstrings
 autodoc_member_order = "bysource"
@@ -47,6 +48,7 @@ nb_merge_streams = True
 
 html_theme = "furo"
 html_title = f"kirigami {version}"
+html_show_copyright = False
 html_show_sphinx = False
 html_copy_source = False
 
@@ -61,7 +63,7 @@ def formulas_as_written(app: Any, what: str, name: str, item: Any, options: Any,
         indented = line.startswith("    ")
         if line and indented != formula:
             if indented:
-                shown += ["", "::", ""]
+                shown += ["", ".. code-block:: none", ""]
             elif shown[-1]:
                 shown.append("")
             formula = indented

@@ -15,6 +15,8 @@ from kirigami.errors import GeometryError, ModelError
 from kirigami.file_methods import ModelFiles
 
 if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
     from kirigami.geometry.mesh import TriMesh
     from kirigami.kernel import Array, Kernel
     from kirigami.results import Step
@@ -514,8 +516,9 @@ class Model(ModelFiles):
         title = f"Model {self.name}".strip()
         return f"<b>{title}</b>, {self.dim}D<table><tr><td>nodes</td><td>{len(self._nodes)}</td></tr>{rows}</table>"
 
-    def plot(self, **options: Any) -> Any:
+    def plot(self, **options: Any) -> Axes:
         """Draw the rest state with supports and loads; returns axes (see :func:`kirigami.plot.plot_model`)."""
         from kirigami.plot import plot_model
 
-        return plot_model(self, **options)
+        axes: Axes = plot_model(self, **options)
+        return axes

@@ -19,6 +19,8 @@ from kirigami.kernel import Array, Configuration, Kernel
 from kirigami.model import Model, Node
 
 if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
     from kirigami.geometry.mesh import TriMesh
     from kirigami.system import System
 
@@ -409,17 +411,19 @@ class Results(ResultsFiles):
 
     # ---- looking
 
-    def plot(self, *args: Any, **options: Any) -> Any:
+    def plot(self, *args: Any, **options: Any) -> Axes:
         """Draw the deformed structure; returns matplotlib axes (see :func:`kirigami.plot.plot_results`)."""
         from kirigami.plot import plot_results
 
-        return plot_results(self, *args, **options)
+        axes: Axes = plot_results(self, *args, **options)
+        return axes
 
-    def plot_curve(self, *args: Any, **options: Any) -> Any:
+    def plot_curve(self, *args: Any, **options: Any) -> Axes:
         """Draw force over displacement; returns matplotlib axes (see :func:`kirigami.plot.plot_curve`)."""
         from kirigami.plot import plot_curve
 
-        return plot_curve(self, *args, **options)
+        axes: Axes = plot_curve(self, *args, **options)
+        return axes
 
     def animate(self, path: str | os.PathLike[str], **options: Any) -> Path:
         """Write an animation of the deformation, GIF or MP4 (see :func:`kirigami.plot.animate`)."""

@@ -30,7 +30,7 @@ def held_sheet() -> tuple[kg.Model, list[kg.Node]]:
     """The flat model, ready to be pulled, and its upper grip."""
     outline, slit = kg.cuts.single_slit_rectangle(0.2, 0.2, length=0.1)
     sheet = kg.Sheet(outline, slit, THICKNESS, kg.Material(E=3.5e9, nu=0.34))
-    model = kg.Model.from_mesh(sheet.mesh(max_edge=0.015))
+    model = kg.Model.from_mesh(sheet.mesh(max_edge=0.02))
     bottom, top = model.select(boundary="bottom"), model.select(boundary="top")
     model.add(kg.Fix(bottom, clamp=True), kg.Fix(top, "xz", clamp=True), kg.Prescribe(top, y=PULL))
     return model, top
@@ -101,7 +101,7 @@ grip = flat.index(top)
 pull = 1e3 * PULL
 force_ax.plot(pull * still_flat.lam, still_flat.reaction(grip, "y"), color="0.6", linestyle="--", label="kept flat")
 for share, color in ((0.01, "C0"), (0.33, "C1")):
-    path = pulled(share, to=1.0, steps=25)
+    path = pulled(share, to=1.0, steps=20)
     label = f"seed {share:g} t"
     force_ax.plot(pull * path.lam, path.reaction(grip, "y"), color=color, label=label)
     height_ax.plot(pull * path.lam, path.u[:, crest, 2] / THICKNESS, color=color, label=label)

@@ -21,8 +21,6 @@ from scipy.integrate import trapezoid
 
 import kirigami as kg
 from kirigami.io.convert import read_drawing
-from kirigami.io.dxf import write_dxf
-from kirigami.io.html import to_html
 
 # %% [markdown]
 # ## The drawing
@@ -59,8 +57,9 @@ _ = file.write_text(svg)
 #
 # `read_drawing` goes by the ending of the name: .dxf, .svg, .geojson, .fold. Lengths are converted to metres. The
 # report says what was read, joined, dropped and assumed; look at it, and look at the picture. Layers are recognised by
-# their names; with other names or colours say `cuts="red"` or `outline="Layer 3"`. `flatness` is how far the chords of
-# a curve may lie off it, as a fraction of the size; short chords would force short edges on the mesh.
+# their names; with other names or colours say `cuts="red"` or `outline="Layer 3"`. (Once you know your drawing,
+# `kg.Sheet.from_svg` and `from_dxf` make the sheet in one go.) `flatness` is how far the chords of a curve may lie off
+# it, as a fraction of the size; short chords would force short edges on the mesh.
 
 # %%
 drawing = read_drawing(file, flatness=1e-3)
@@ -90,7 +89,7 @@ def lampshade(max_edge: float) -> tuple[kg.Model, list[kg.Node]]:
     return model, rod
 
 
-model, rod = lampshade(max_edge=0.006)
+model, rod = lampshade(max_edge=0.01)
 results = kg.DisplacementControl(model, targets=np.linspace(0, 1, 26)[1:]).run()
 print(results.summary())
 results.plot(view=(25, -60))
@@ -127,14 +126,13 @@ print(", ".join(f"{name} {1e3 * energy:.4f}" for name, energy in stored.items())
 # the force goes with the cube of the thickness.
 #
 # **A finer mesh changes little.** How much it changes is the best estimate of the error that you can get without
-# another program: here some per cent, for a few facets across each ring. (For a second opinion, `to_abaqus` and
-# `to_openseespy` in `kirigami.io` hand the same sheet to a shell code.)
+# another program: here some per cent, for a few facets across each ring. (For a second opinion, `model.to_abaqus`
+# and `model.to_openseespy` hand the same sheet to a shell code.)
 
 # %%
-for max_edge in (0.01, 0.006, 0.004):
-    refined, lifted = lampshade(max_edge)
-    end = kg.DisplacementControl(refined).run()
-    print(f"edges up to {1e3 * max_edge:.1f} mm: {len(refined.nodes)} nodes, {end.reaction(lifted, 'z')[-1]:.4f} N")
+refined, lifted = lampshade(max_edge=0.005)
+finer = kg.DisplacementControl(refined).run().reaction(lifted, "z")[-1]
+print(f"{len(model.nodes)} nodes: {lift_force[-1]:.4f} N; {len(refined.nodes)} nodes: {finer:.4f} N")
 
 # %% [markdown]
 # ## Hand it on
@@ -143,8 +141,8 @@ for max_edge in (0.01, 0.006, 0.004):
 # colleague who has only a browser: the sheet turns under the mouse and a slider lifts it.
 
 # %%
-dxf = write_dxf(drawing, Path(folder.name) / "lampshade.dxf")
-page = to_html(results, Path(folder.name) / "lampshade.html", reactions={"rod": rod}, title="Lampshade")
+dxf = sheet.to_dxf(Path(folder.name) / "lampshade.dxf")
+page = results.to_html(Path(folder.name) / "lampshade.html", reactions={"rod": rod}, title="Lampshade")
 print(f"{dxf.name}: {dxf.stat().st_size // 1000} kB, {page.name}: {page.stat().st_size // 1000} kB")
 again = read_drawing(dxf)
 farthest = max(shapely.hausdorff_distance(one, other) for one, other in zip(drawing.cuts, again.cuts))
