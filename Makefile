@@ -22,15 +22,14 @@ external: $(VENV)/installed
 	$(BIN)/python -m pip install --quiet openseespy pyvista build
 	$(THREADS) MPLBACKEND=Agg $(BIN)/python -m pytest -m external
 
-notebooks: $(VENV)/installed
+notebooks: $(VENV)/docs-installed
 	$(BIN)/python tools/notebooks.py notebooks
 
-docs: $(VENV)/installed
-	$(BIN)/python -m pip install --quiet -e ".[dev,docs]"
-	$(BIN)/python -m sphinx -W -b html docs docs/_build/html
+docs: $(VENV)/docs-installed
+	$(THREADS) $(BIN)/sphinx-build -W --keep-going -q docs docs/_build/html
 
 lint: $(VENV)/installed
-	$(BIN)/ruff check kirigami tests examples
+	$(BIN)/ruff check kirigami tests examples benchmarks tutorials tools
 	$(BIN)/mypy kirigami
 
 $(VENV)/installed: setup.cfg pyproject.toml
@@ -39,5 +38,9 @@ $(VENV)/installed: setup.cfg pyproject.toml
 	$(BIN)/python -m pip install --quiet -e ".[dev]"
 	touch $@
 
+$(VENV)/docs-installed: $(VENV)/installed
+	$(BIN)/python -m pip install --quiet -e ".[dev,docs]"
+	touch $@
+
 clean:
-	rm -rf $(VENV) demo build dist *.egg-info
+	rm -rf $(VENV) demo build dist *.egg-info notebooks docs/_build docs/generated docs/tutorials

@@ -61,7 +61,7 @@ def main(names: list[str]) -> None:
             f"peak memory {resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024:.0f} MiB"
         )
         typical = np.median(once)
-        print(f"one factorization {typical:.3f} s (median of 5): the run cost {cpu / typical:.0f} of them in CPU time\n")
+        print(f"one factorization {typical:.3f} s (median of 5): the run cost {cpu / typical:.0f} of them (CPU)\n")
 
 
 if __name__ == "__main__":

@@ -192,21 +192,20 @@ class System:
     def _measure(self) -> None:
         """Median member length and stiffness, and the size of forces that are nothing but rounding."""
         rest = self.configuration(np.zeros_like(self.rest))
-        lengths, stiffness, squares = [], [], 0.0
+        lengths, stiffness = [], []
         for kernel in self.kernels:
             if kernel.pairs == ():
                 continue
-            corner = self.rest[kernel.conn[:, :2]]
-            length = np.linalg.norm(corner[:, 1] - corner[:, 0], axis=1)
             hessian = kernel.evaluate(rest, 0.0, 2).hessian
             assert hessian is not None
-            norm = np.sqrt((hessian.reshape(len(length), -1) ** 2).sum(axis=1))
-            lengths.append(length)
-            stiffness.append(norm)
-            squares += float(((norm * length) ** 2).sum())
-        self.length = float(np.median(np.concatenate(lengths)))
-        self.stiffness_scale = float(np.median(np.concatenate(stiffness)))
-        self.noise = ROUNDING * float(np.sqrt(squares))
+            stiffness.append(np.sqrt((hessian.reshape(len(kernel.conn), -1) ** 2).sum(axis=1)))
+            if kernel.conn.shape[1] > 1:
+                corner = self.rest[kernel.conn[:, :2]]
+                lengths.append(np.linalg.norm(corner[:, 1] - corner[:, 0], axis=1))
+        self.length = float(np.median(np.concatenate(lengths))) if lengths else self.size
+        norms = np.concatenate(stiffness)
+        self.stiffness_scale = float(np.median(norms))
+        self.noise = ROUNDING * self.length * float(np.linalg.norm(norms))
 
     def check_version(self) -> None:
         """Refuse to answer for a model that has changed since."""

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 import kirigami as kg
+from kirigami.model import ModelObject
 
 
 def cantilever_plate() -> tuple[kg.Model, list[kg.Node], list[kg.Node]]:
@@ -206,3 +207,43 @@ def test_a_model_without_free_displacements_still_answers():
     for res in (kg.LinearStatic(m).run(), kg.DisplacementControl(m).run()):
         np.testing.assert_allclose(res.reaction(left, "x")[-1], -res.reaction(right, "x")[-1], rtol=1e-12)
         assert res.reaction(right, "x")[-1] > 0.5
+
+
+def test_an_effect_on_single_nodes():
+    """An elastic bed of stiffness k under a node: the smallest effect there is, object and kernel in a few lines."""
+
+    class BedKernel(kg.Kernel):
+        name = "bed"
+        anchored = True
+
+        def __init__(self, rest, conn, stiffness):
+            self.rest, self.conn, self.stiffness = rest, conn, stiffness
+
+        def evaluate(self, x, lam=1.0, need=2):
+            sunk = (np.asarray(x) - self.rest)[self.conn]
+            block = self.stiffness * np.eye(x.shape[1])
+            energy = 0.5 * self.stiffness * (sunk**2).sum(axis=(1, 2))
+            blocks = np.broadcast_to(block, (len(sunk), 1, 1, *block.shape))
+            return kg.Contribution(energy, self.stiffness * sunk, blocks)
+
+    class Bed(ModelObject):
+        kind = "effect"
+
+        def __init__(self, node, stiffness):
+            self.node, self.stiffness = node, stiffness
+
+        @property
+        def nodes(self):
+            return (self.node,)
+
+        @classmethod
+        def lower(cls, objects, numbering):
+            return [BedKernel(numbering.rest, numbering.connectivity([bed]), bed.stiffness) for bed in objects]
+
+    m = kg.Model(dim=2)
+    a, b = m.add(kg.Node(0, 0), kg.Node(2, 0))
+    m.add(kg.Bar(a, b, EA=10.0), Bed(a, 5.0), kg.Fix(b, "y"), kg.NodalLoad(b, (1.0, 0)))
+    res = kg.LinearStatic(m).run()
+    np.testing.assert_allclose(res.u[-1, :, 0], [1 / 5, 1 / 5 + 2 / 10], rtol=1e-12)
+    assert res.energy["bed"][-1] == pytest.approx(0.1, rel=1e-12)
+    assert max(kg.check_kernel(kg.System(m).kernels[-1], [[0.1, 0.2], [2.0, 0]])["hessian"], 0) < 1e-6

@@ -8,7 +8,7 @@
 # taken, so nobody needs a compiler. In each environment the package must import without a warning, follow a snapping
 # truss, mesh and draw a cut sheet, and answer on the command line.
 #
-# CHECK=suite also runs the docstring examples and the core tests, from the source distribution, in each environment.
+# CHECK=suite also installs the extras and runs the docstring examples and the core tests of the source distribution.
 # Needs a package index. Leaves nothing behind.
 set -eu
 
@@ -26,7 +26,7 @@ fail() {
 
 quietly() { # a command whose output matters only when it fails
     "$@" >"$work/log" 2>&1 || {
-        cat "$work/log" >&2
+        tail -n 40 "$work/log" >&2
         fail "failed: $*"
     }
 }
@@ -34,7 +34,7 @@ quietly() { # a command whose output matters only when it fails
 # ---- build: the wheel is made from the source distribution, so that one must be complete
 
 mkdir "$work/source"
-tar -C "$root" --exclude=.git --exclude=.venv --exclude=build --exclude=dist --exclude='*.egg-info' -cf - . |
+tar -C "$root" --exclude=.git --exclude=.venv --exclude=build --exclude=dist --exclude='*.egg-info' --exclude='.*_cache' -cf - . |
     tar -C "$work/source" -xf -
 quietly "$1" -m venv "$work/builder"
 quietly "$work/builder/bin/python" -m pip install build
@@ -95,20 +95,20 @@ assert pulled.reaction(top, "y")[-1] > 0
 pulled.plot().figure.savefig(sys.argv[1])
 USE
 
-use() { # name and environment
+use() { # name, environment, constraints on versions
     cd "$work"
     quietly "$2/bin/python" -W error -c "import kirigami"
     quietly "$2/bin/python" "$work/use.py" "$work/picture.png"
     test -s "$work/picture.png" || fail "$1: no picture was drawn"
     quietly "$2/bin/kirigami" --version
     if [ "${CHECK:-}" = suite ]; then
-        quietly "$2/bin/python" -m pip install --only-binary :all: pytest hypothesis
+        quietly "$2/bin/python" -m pip install --prefer-binary "$wheel[io,viz]" -c "$3" pytest hypothesis
         mkdir -p "$2/suite" && tar -C "$2/suite" --strip-components=1 -xzf "$sdist"
         # The suite imports what is installed, not the sources it came with.
         package=$("$2/bin/python" -c 'import kirigami; print(kirigami.__path__[0])')
         (cd "$2/suite" && rm -r kirigami &&
             quietly "$2/bin/python" -m pytest -p no:cacheprovider -m "not long and not external" \
-                --ignore-glob="*/kirigami/io/*" "$package" tests/mechanics tests/geometry tests/test_public_names.py)
+                "$package" tests/mechanics tests/geometry tests/io tests/test_public_names.py)
     fi
     cd "$root"
     echo "$1: $("$2/bin/python" -m pip list 2>/dev/null | grep -E '^(numpy|scipy|shapely|triangle|matplotlib) ' |
@@ -121,14 +121,15 @@ for python in "$@"; do
     version=$("$python" -c 'import sys; print("%d.%d" % sys.version_info[:2])')
     quietly "$python" -m venv "$work/newest$count"
     quietly "$work/newest$count/bin/python" -m pip install --only-binary :all: "$wheel"
-    use "Python $version, newest" "$work/newest$count"
+    use "Python $version, newest" "$work/newest$count" /dev/null
     if [ "$version" = 3.10 ]; then
         (cd "$work" && "newest$count/bin/python" -c '
 from importlib.metadata import requires
-print(*(line.replace(">=", "==") for line in requires("kirigami-mechanics") if "extra" not in line), sep="\n")
+pins = (line.partition(";")[0].strip() for line in requires("kirigami-mechanics") if "dev" not in line)
+print(*sorted({pin.replace(">=", "==") for pin in pins}), sep="\n")
 ') >"$work/oldest.txt"
         quietly "$python" -m venv "$work/oldest$count"
         quietly "$work/oldest$count/bin/python" -m pip install --only-binary :all: "$wheel" -c "$work/oldest.txt"
-        use "Python $version, oldest" "$work/oldest$count"
+        use "Python $version, oldest" "$work/oldest$count" "$work/oldest.txt"
     fi
 done

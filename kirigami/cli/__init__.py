@@ -82,4 +82,6 @@ def make_parser() -> argparse.ArgumentParser:
 
 
 def _say_warning(message: Warning | str, category: type[Warning], *place: Any, **more: Any) -> None:
+    if issubclass(category, (DeprecationWarning, PendingDeprecationWarning)):
+        return  # between libraries; nothing a user of the command could do
     print(f"kirigami: {'' if issubclass(category, kg.KirigamiWarning) else 'warning: '}{message}", file=sys.stderr)

@@ -1,0 +1,25 @@
+"""The distributions hold what they should and work where nothing else of the project is installed."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+SCRIPT = Path(__file__).parents[1] / "tools" / "check_packaging.sh"
+# The oldest and the newest supported Python, where this machine has them, and the one at work.
+INTERPRETERS = [found for found in map(shutil.which, ("python3.10", "python3.13")) if found]
+
+
+@pytest.mark.external
+@pytest.mark.skipif(os.name == "nt", reason="the script is written for a POSIX shell")
+@pytest.mark.parametrize("interpreter", sorted({sys.executable, *INTERPRETERS}))
+def test_distributions_build_install_and_work(interpreter: str) -> None:
+    """Builds in a temporary folder, installs from a package index; see the script for what is checked."""
+    done = subprocess.run([str(SCRIPT), interpreter], capture_output=True, text=True)
+    assert done.returncode == 0, done.stdout + done.stderr
+    assert "contents right" in done.stdout and "newest" in done.stdout
