@@ -106,7 +106,11 @@ def __getattr__(name: str) -> Any:
     elif name in _MODULES:
         value = importlib.import_module(f"kirigami.{_MODULES[name]}")
     else:
-        raise AttributeError(f"module 'kirigami' has no attribute {name!r}")
+        from difflib import get_close_matches
+
+        near = get_close_matches(name, __all__, n=1)
+        hint = f": did you mean {near[0]!r}?" if near else ""
+        raise AttributeError(f"module 'kirigami' has no attribute {name!r}{hint}")
     globals()[name] = value
     return value
 

@@ -237,3 +237,8 @@ def test_failure_carries_the_results():
     with pytest.warns(kg.KirigamiWarning):
         res = kg.LoadControl(m, to=0.2).run(on_failure="return")
     assert res.events[-1].kind == "failed" and res.lam[-1] == error.results.lam[-1]
+
+
+def test_a_misspelt_name_is_answered_with_the_right_one():
+    with pytest.raises(AttributeError, match="'Nod': did you mean 'Node'"):
+        kg.Nod  # noqa: B018

@@ -11,7 +11,7 @@ from kirigami.errors import ModelError
 from kirigami.kernel import Array
 from kirigami.linalg import Factor, SingularMatrixError, make_solver
 from kirigami.mechanism import check_floppy
-from kirigami.model import Model, require_finite, require_positive
+from kirigami.model import Model
 from kirigami.results import Results, Step
 from kirigami.system import System
 
@@ -78,10 +78,6 @@ def make_step(system: System, u: Array, lam: float, negative: int | None, residu
         history=system.history,
         stage=system.model.stage,
     )
-
-
-def checked_number(value: Any, name: str, owner: str, positive: bool = False) -> float:
-    return require_positive(value, name, owner) if positive else require_finite(value, name, owner)
 
 
 def require_drive(system: System, owner: str, constant_counts: bool = False) -> None:

@@ -10,14 +10,14 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import ArrayLike
 
-from kirigami.analysis.base import checked_number, require_drive
+from kirigami.analysis.base import require_drive
 from kirigami.analysis.control import ArcLengthControl, Control, LoadFactorControl, SingleDisplacementControl
 from kirigami.analysis.increments import Increments, ordered_targets
 from kirigami.analysis.state import State, Tangent
 from kirigami.analysis.walk import PathAnalysis
 from kirigami.constraints import AXES
 from kirigami.errors import ModelError
-from kirigami.model import Model, Node
+from kirigami.model import Model, Node, require_finite
 from kirigami.results import Step
 from kirigami.system import System
 
@@ -39,9 +39,9 @@ class _RangeAnalysis(PathAnalysis):
     ) -> None:
         super().__init__(model, tol, start, on_instability)
         owner = type(self).__name__
-        self.to = checked_number(to, "to", owner)
+        self.to = require_finite(to, "to", owner)
         self.targets = targets
-        self.step = None if step is None else abs(checked_number(step, "step", owner))
+        self.step = None if step is None else abs(require_finite(step, "step", owner))
         if self.step == 0:
             raise ModelError(f"{owner}: step must not be zero")
 
@@ -212,7 +212,7 @@ class ArcLength(PathAnalysis):
         start: Step | None = None,
     ) -> None:
         super().__init__(model, tol, start)
-        self.step = checked_number(step, "step", "ArcLength")
+        self.step = require_finite(step, "step", "ArcLength")
         if self.step == 0:
             raise ModelError("ArcLength: step must not be zero")
         if not isinstance(max_steps, (int, np.integer)) or max_steps < 1:

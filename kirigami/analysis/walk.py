@@ -13,7 +13,7 @@ from typing import NoReturn
 
 import numpy as np
 
-from kirigami.analysis.base import Analysis, checked_number, make_step
+from kirigami.analysis.base import Analysis, make_step
 from kirigami.analysis.control import ArcLengthControl, Control, LoadFactorControl
 from kirigami.analysis.events import report_events
 from kirigami.analysis.increments import Increments
@@ -22,7 +22,7 @@ from kirigami.analysis.state import Attempt, Point, State, Tangent
 from kirigami.errors import ConvergenceError, KirigamiWarning, ModelError
 from kirigami.kernel import Array
 from kirigami.linalg import Factor, SingularMatrixError
-from kirigami.model import Model
+from kirigami.model import Model, require_positive
 from kirigami.recorders import progress_bar
 from kirigami.results import Event, Results, Step
 from kirigami.system import System
@@ -48,7 +48,7 @@ class PathAnalysis(Analysis):
         if on_instability not in ON_INSTABILITY:
             raise ModelError(f"{owner}: on_instability must be one of {ON_INSTABILITY}, got {on_instability!r}")
         self.on_instability = on_instability
-        self.tol = checked_number(tol, "tol", owner, positive=True)
+        self.tol = require_positive(tol, "tol", owner)
         if start is not None and not isinstance(start, Step):
             raise ModelError(f"{owner}: start must be a Step, such as results[-1], got {start!r}")
         self.start = start
