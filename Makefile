@@ -5,7 +5,7 @@ BIN = $(VENV)/bin
 # One thread each: the suite runs in two processes, and the default solver is sequential.
 THREADS = OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1
 
-.PHONY: demo test validate external notebooks docs lint clean
+.PHONY: demo test validate random-sheets external notebooks docs lint clean
 
 demo: $(VENV)/installed
 	$(BIN)/kirigami demo --folder demo
@@ -16,6 +16,10 @@ test: $(VENV)/installed
 # The long validations: the published sheets in full, and everything that takes more than seconds.
 validate: $(VENV)/installed
 	$(THREADS) MPLBACKEND=Agg $(BIN)/python -m pytest -m long
+
+# A thousand random cut sheets, hours on two cores; run again, it goes on where it was (table: random_sheets.csv).
+random-sheets: $(VENV)/installed
+	$(THREADS) MPLBACKEND=Agg $(BIN)/python benchmarks/random_sheets.py --table random_sheets.csv
 
 # Runs CalculiX, OpenSeesPy and a headless browser: Debian packages calculix-ccx and chromium.
 external: $(VENV)/installed

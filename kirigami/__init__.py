@@ -31,6 +31,7 @@ _HOME = {
     "LinearStatic": "analysis.linear",
     "Eigen": "analysis.eigen",
     "Mode": "analysis.eigen",
+    "Buckling": "analysis.buckling",
     "LoadControl": "analysis.path",
     "DisplacementControl": "analysis.path",
     "ArcLength": "analysis.path",
@@ -42,6 +43,9 @@ _HOME = {
     "Rigidity": "framework",
     "PeriodicCell": "periodic",
     "AngleLimit": "effects.angle_limit",
+    "Sweep": "sweep",
+    "SweepTable": "sweep_table",
+    "latin_hypercube": "sampling",
     "KirigamiError": "errors",
     "GeometryError": "errors",
     "ModelError": "errors",
@@ -59,6 +63,7 @@ if TYPE_CHECKING:
     from kirigami import plot as plot
     from kirigami import stiffness as stiffness
     from kirigami import tilings as tilings
+    from kirigami.analysis.buckling import Buckling as Buckling
     from kirigami.analysis.eigen import Eigen as Eigen
     from kirigami.analysis.eigen import Mode as Mode
     from kirigami.analysis.linear import LinearStatic as LinearStatic
@@ -95,8 +100,11 @@ if TYPE_CHECKING:
     from kirigami.results import Event as Event
     from kirigami.results import Results as Results
     from kirigami.results import Step as Step
+    from kirigami.sampling import latin_hypercube as latin_hypercube
     from kirigami.stiffness import Calibration as Calibration
     from kirigami.storage import load as load
+    from kirigami.sweep import Sweep as Sweep
+    from kirigami.sweep_table import SweepTable as SweepTable
     from kirigami.system import System as System
 
 

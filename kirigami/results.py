@@ -17,6 +17,7 @@ from kirigami.errors import AnalysisError, ModelError
 from kirigami.file_methods import ResultsFiles
 from kirigami.kernel import Array, Configuration, Kernel
 from kirigami.model import Model, Node
+from kirigami.shape_methods import ResultsShape
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -108,23 +109,27 @@ class Step:
 
 @dataclass(frozen=True, eq=False)
 class Event:
-    """Something met on the way: a limit point, a change of stability, an interruption.
+    """Something met on the way: a limit point, a bifurcation, a snap, an interruption.
 
     Attributes
     ----------
     kind : str
-        "limit point", "stability change", "switch" (an unstable path was left for a stable equilibrium), "snap" (energy
-        was set free), "step limit", "interrupted" or "failed".
+        "limit point" (the load factor has an extremum), "bifurcation" (another path crosses), "stability change" (one
+        of the two that could not be located), "switch" (an unstable path was left for another one), "snap" (energy was
+        set free), "step limit", "interrupted" or "failed".
     lam : float
-        Load factor: located for a limit point, else the middle of ``bracket``.
+        Load factor: located for limit points and bifurcations, else the middle of ``bracket``.
     step : int
         Index of the stored step just before it.
     message : str
         The event in words.
     bracket : tuple of float
         Load factors of the steps on both sides.
-    u : ndarray, shape (n, 3), or None
-        Displacements at a located point.
+    located : Step or None
+        The equilibrium at a located point; an analysis can start from it.
+    mode : ndarray, shape (n, 3), or None
+        The critical mode there, to which the tangent stiffness has just lost its resistance: largest component 1, the
+        first of the largest entries positive.
 
     Examples
     --------
@@ -139,13 +144,19 @@ class Event:
     step: int
     message: str
     bracket: tuple[float, float] = (float("nan"), float("nan"))
-    u: Array | None = field(default=None, repr=False)
+    located: Step | None = field(default=None, repr=False)
+    mode: Array | None = field(default=None, repr=False)
+
+    @property
+    def u(self) -> Array | None:
+        """Displacements (n, 3) at a located point, else None."""
+        return None if self.located is None else self.located.u
 
     def __str__(self) -> str:
         return self.message
 
 
-class Results(ResultsFiles):
+class Results(ResultsFiles, ResultsShape):
     """Everything an analysis found, step by step.
 
     Step 0 is the state at load factor 0, in equilibrium with constant loads (or the step the analysis started from).

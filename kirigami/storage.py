@@ -15,15 +15,19 @@ import numpy as np
 from kirigami.errors import AnalysisError
 from kirigami.results import Event, Results, Step
 
-FORMAT = 1  # version of the results file
+FORMAT = 2  # version of the results file
 
 
 def save(results: Results, path: str | os.PathLike[str]) -> Path:
-    """Write `results` under another name and then rename, so that no broken file is left behind."""
-    target = Path(path)
-    arrays: dict[str, Any] = {name: getattr(results, name) for name in ("rest", "constrained", "u", "lam")}
+    """Write `results` to a compressed file."""
+    return write(Path(path), pack(results))
+
+
+def pack(results: Results, with_kernels: bool = True) -> dict[str, Any]:
+    """Everything `results` hold as named arrays; what is no array is in the JSON text of ``head``."""
+    arrays: dict[str, Any] = {"rest": results.rest, "constrained": results.constrained}
     kernels = []
-    for position, kernel in enumerate(results.kernels):
+    for position, kernel in enumerate(results.kernels if with_kernels else ()):
         plain: dict[str, Any] = {}
         for key, value in kernel.arrays().items():
             if isinstance(value, np.ndarray):
@@ -31,24 +35,33 @@ def save(results: Results, path: str | os.PathLike[str]) -> Path:
             else:
                 plain[key] = value
         kernels.append({"module": type(kernel).__module__, "class": type(kernel).__name__, "values": plain})
-        if results.steps and all(len(s.history) > position and s.history[position] is not None for s in results.steps):
-            arrays[f"history{position}"] = np.array([step.history[position] for step in results.steps])
+    # Located points of events are steps as well, kept behind those of the path.
+    located = [event.located for event in results.events if event.located is not None]
+    steps = [*results.steps, *located]
+    arrays["u"] = np.array([step.u for step in steps]).reshape(len(steps), len(results.rest), 3)
+    arrays["lam"] = np.array([step.lam for step in steps])
+    for position in range(max((len(step.history) for step in steps), default=0)):
+        for number, step in enumerate(steps):
+            value = step.history[position] if len(step.history) > position else None
+            if value is not None:
+                arrays[f"history{position}.{number}"] = value
+    for position, event in enumerate(results.events):
+        if event.mode is not None:
+            arrays[f"mode{position}"] = event.mode
     head = {
         "format": FORMAT,
         "name": results.name,
         "dim": results.dim,
         "linear": results.linear,
-        "kernels": kernels,
+        "kernels": kernels if with_kernels else None,
         "stats": results.stats,
+        "count": len(results.steps),
         "steps": [
-            [s.negative, s.residual, s.residual_over_reaction, s.iterations, s.stage] for s in results.steps
+            [s.negative, s.residual, s.residual_over_reaction, s.iterations, len(s.history), s.stage] for s in steps
         ],
-        "events": [[e.kind, e.lam, e.step, e.message, list(e.bracket)] for e in results.events],
+        "events": [[e.kind, e.lam, e.step, e.message, list(e.bracket), e.located is not None] for e in results.events],
         "mesh": None,
     }
-    for position, event in enumerate(results.events):
-        if event.u is not None:
-            arrays[f"event{position}"] = event.u
     if results.mesh is not None:
         head["mesh"] = {
             "sets": list(results.mesh.sets),
@@ -59,15 +72,38 @@ def save(results: Results, path: str | os.PathLike[str]) -> Path:
             arrays[f"mesh.set{position}"] = nodes
         for position, cut in enumerate(results.mesh.cuts):
             arrays[f"mesh.cut{position}"] = np.asarray(cut.loop)
+    return {"head": np.array(json.dumps(head)), **arrays}
+
+
+def write(target: Path, arrays: dict[str, Any], compressed: bool = True) -> Path:
+    """Write named arrays under another name and then rename, so that a file is the old one or the new one, whole."""
     target.parent.mkdir(parents=True, exist_ok=True)
     unfinished = target.with_name(target.name + ".part")
     try:
         with open(unfinished, "wb") as file:
-            np.savez_compressed(file, head=np.array(json.dumps(head)), **arrays)
+            (np.savez_compressed if compressed else np.savez)(file, **arrays)
+            file.flush()
+            os.fsync(file.fileno())
         os.replace(unfinished, target)
     finally:
         unfinished.unlink(missing_ok=True)
     return target
+
+
+def read(path: str | os.PathLike[str]) -> tuple[dict[str, Any], dict[str, Any]]:
+    """Head and arrays of a file, or an AnalysisError that says what is wrong with it."""
+    try:
+        with np.load(path, allow_pickle=False) as file:
+            data = {key: file[key] for key in file.files}
+        head = json.loads(str(data["head"]))
+        version = head["format"]
+    except FileNotFoundError:
+        raise AnalysisError(f"no results file at {path}") from None
+    except (OSError, ValueError, KeyError, EOFError, TypeError, zipfile.BadZipFile, zlib.error) as error:
+        raise AnalysisError(f"{path} is not a results file of this package, or it is damaged ({error})") from None
+    if version != FORMAT:
+        raise AnalysisError(f"{path} has file format {version}, this version of kirigami reads format {FORMAT}")
+    return head, data
 
 
 def load(path: str | os.PathLike[str]) -> Results:
@@ -101,17 +137,9 @@ def load(path: str | os.PathLike[str]) -> Results:
     >>> float(round(res.position(1)[-1, 0], 9))
     1.1
     """
-    try:
-        with np.load(path, allow_pickle=False) as file:
-            data = {key: file[key] for key in file.files}
-        head = json.loads(str(data["head"]))
-        version = head["format"]
-    except FileNotFoundError:
-        raise AnalysisError(f"no results file at {path}") from None
-    except (OSError, ValueError, KeyError, EOFError, TypeError, zipfile.BadZipFile, zlib.error) as error:
-        raise AnalysisError(f"{path} is not a results file of this package, or it is damaged ({error})") from None
-    if version != FORMAT:
-        raise AnalysisError(f"{path} has file format {version}, this version of kirigami reads format {FORMAT}")
+    head, data = read(path)
+    if head["kernels"] is None:
+        raise AnalysisError(f"{path} is the checkpoint of a model whose effects do not say how to save themselves")
     try:
         return _rebuild(head, data)
     except (KeyError, IndexError, TypeError, ValueError) as error:
@@ -135,28 +163,7 @@ def _rebuild(head: dict[str, Any], data: dict[str, Any]) -> Results:
             )
         cls = getattr(importlib.import_module(entry["module"]), entry["class"])
         results.kernels.append(cls(rest, **values, **entry["values"]))
-    results.steps = []
-    for index, (negative, residual, over_reaction, iterations, stage) in enumerate(head["steps"]):
-        history = tuple(
-            data[f"history{position}"][index] if f"history{position}" in data else None
-            for position in range(len(results.kernels))
-        )
-        results.steps.append(
-            Step(
-                lam=float(data["lam"][index]),
-                u=data["u"][index],
-                negative=negative,
-                residual=residual,
-                residual_over_reaction=over_reaction,
-                iterations=iterations,
-                history=history,
-                stage=stage,
-            )
-        )
-    results.events = [
-        Event(kind, lam, step, message, (bracket[0], bracket[1]), data.get(f"event{position}"))
-        for position, (kind, lam, step, message, bracket) in enumerate(head["events"])
-    ]
+    results.steps, results.events = unpack_path(head, data)
     if head["mesh"] is not None:
         from kirigami.geometry.mesh import CutLoop, TriMesh
 
@@ -167,3 +174,27 @@ def _rebuild(head: dict[str, Any], data: dict[str, Any]) -> Results:
         ]
         results.mesh = TriMesh(data["mesh.nodes"], data["mesh.triangles"], sets, cuts=cuts)
     return results
+
+
+def unpack_path(head: dict[str, Any], data: dict[str, Any]) -> tuple[list[Step], list[Event]]:
+    """The steps and events of a file."""
+    steps = [
+        Step(
+            lam=float(data["lam"][index]),
+            u=data["u"][index],
+            negative=negative,
+            residual=residual,
+            residual_over_reaction=over_reaction,
+            iterations=iterations,
+            history=tuple(data.get(f"history{position}.{index}") for position in range(kernels)),
+            stage=stage,
+        )
+        for index, (negative, residual, over_reaction, iterations, kernels, stage) in enumerate(head["steps"])
+    ]
+    located = iter(steps[head["count"] :])
+    events = [
+        Event(kind, lam, step, message, (bracket[0], bracket[1]), next(located) if found else None,
+              data.get(f"mode{position}"))
+        for position, (kind, lam, step, message, bracket, found) in enumerate(head["events"])
+    ]  # fmt: skip
+    return steps[: head["count"]], events

@@ -204,6 +204,7 @@ class System:
                 lengths.append(np.linalg.norm(corner[:, 1] - corner[:, 0], axis=1))
         self.length = float(np.median(np.concatenate(lengths))) if lengths else self.size
         norms = np.concatenate(stiffness)
+        norms = norms[norms > 0] if norms.any() else norms  # what is not in touch at rest says nothing
         self.stiffness_scale = float(np.median(norms))
         self.noise = ROUNDING * self.length * float(np.linalg.norm(norms))
 

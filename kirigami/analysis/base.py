@@ -33,13 +33,16 @@ class Analysis:
         return system, self.results
 
     def _finish(self, system: System, results: Results) -> Results:
+        self._count_seconds(system, results)
+        system.linearize(None)
+        return results
+
+    def _count_seconds(self, system: System, results: Results) -> None:
         results.stats["steps"] = len(results.steps)
         results.stats["seconds"] = {
             **{part: round(seconds, 6) for part, seconds in system.clock.seconds.items()},
             "total": round(time.perf_counter() - self._started, 6),
         }
-        system.linearize(None)
-        return results
 
     def _factorize(self, system: System, results: Results, matrix: Any) -> Factor:
         with system.clock("factorization"):
@@ -87,3 +90,9 @@ def require_drive(system: System, owner: str, constant_counts: bool = False) -> 
     if constant_counts and (system.held.any() or any(kernel.pairs == () for kernel in system.kernels)):
         return
     raise ModelError(f"{owner}: nothing drives the model; add a NodalLoad, or a Prescribe with a value other than zero")
+
+
+def first_largest(values: Array) -> int:
+    """Index of the first entry whose size is the largest up to rounding, so that signs are repeatable."""
+    size = np.abs(values)
+    return int(np.flatnonzero(size >= size.max() * (1 - 1e-6))[0])

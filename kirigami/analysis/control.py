@@ -2,14 +2,19 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
-from kirigami.analysis.state import State
+from kirigami.analysis.state import Attempt, Point, State, Tangent
 from kirigami.constraints import AXES
 from kirigami.errors import ModelError
 from kirigami.kernel import Array
 from kirigami.model import Node
 from kirigami.system import System
+
+SHARPEST_TURN = 0.5  # cosine of the largest angle between the tangent of a step and its chord
+NEARLY_STRAIGHT = 0.95  # cosine of an angle so small that a step lies ahead whatever else speaks against it
 
 
 class Control:
@@ -33,6 +38,23 @@ class Control:
     def predict(self, increment: float, rate: Array) -> float:
         """First-order change of the load factor for an increment, given dq/dlam."""
         raise NotImplementedError
+
+    def load_rate(self, rate: Array, before: State, after: State) -> float:
+        """Change of the load factor with the parameter, given dq/dlam, in the sense from `before` to `after`."""
+        ends = [self.value(state.q, state.lam) for state in (before, after)]
+        return self.predict(1.0, rate) * float(np.sign(ends[1] - ends[0]))
+
+    def doubt(self, before: Point, attempt: Attempt, tangent: Tangent) -> str:
+        """Why a converged attempt is not to be trusted to lie ahead on the same path; empty where it is."""
+        return ""
+
+    def accept(self, before: State, after: State) -> None:
+        """Note that the path went on from `before` to `after`."""
+
+    @property
+    def memory(self) -> dict[str, Any]:
+        """Attributes that must be stored to go on later as if nothing had been."""
+        return {}
 
 
 class LoadFactorControl(Control):
@@ -73,19 +95,43 @@ class SingleDisplacementControl(Control):
         return increment / slope if slope else float("nan")
 
 
+class ModeControl(Control):
+    """The parameter is how far a state has gone from a given one along a mode; the load factor is an unknown.
+
+    The path on which the mode is neutral does not move along it to first order, so away from zero this finds the
+    other path through a bifurcation.
+    """
+
+    def __init__(self, origin: State, mode: Array) -> None:
+        self.origin, self.mode = origin.q, mode / float(mode @ mode)
+
+    def value(self, q: Array, lam: float) -> float:
+        return float(self.mode @ (q - self.origin))
+
+    def begin(self, state: State, increment: float) -> None:
+        super().begin(state, increment)
+        self.slack = 1e-9 * abs(increment)
+
+    def equation(self, q: Array, lam: float) -> tuple[float, Array | None, float]:
+        return self.value(q, lam) - self.target, self.mode, 0.0
+
+
 class ArcLengthControl(Control):
-    """The parameter is the distance walked in displacement space (cylindrical arc, Crisfield 1981).
+    """The parameter is the distance walked: in displacements alone (a cylinder about the load axis, Crisfield 1981),
+    or with the load factor times `weight` as one more displacement (a sphere).
 
     The arc's equation is linearised anew at each iterate (Ramm 1981), so no quadratic root is chosen. The direction
-    is the one that goes on from the last step.
+    is the one that goes on from the last step. It agrees with the inertia of the tangent: on one smooth path the load
+    factor turns exactly where the number of negative eigenvalues changes from even to odd or back.
     """
 
     def __init__(self, system: System) -> None:
         self.system = system
+        self.weight = 0.0  # displacement that one unit of load factor counts for
         self.direction: Array | None = None  # displacement of the last accepted step (n, dim)
+        self.load_direction = 0.0  # its change of the load factor
         self.sense = 1.0
         self._drive = system.drive
-        self._moving = system.unknown >= 0
         self._origin = State(np.zeros(system.free), 0.0, system.rest * 0)
         self._length = 0.0
 
@@ -98,21 +144,54 @@ class ArcLengthControl(Control):
 
     def equation(self, q: Array, lam: float) -> tuple[float, Array | None, float]:
         walked = self.system.displacement(q, lam) - self._origin.u
-        gap = float((walked**2).sum()) - self._length**2
+        rise = self.weight**2 * (lam - self._origin.lam)
+        gap = float((walked**2).sum()) + rise * (lam - self._origin.lam) - self._length**2
         if not walked.any():
             return -self._length, None, 0.0
-        by_lam = 2 * float((walked.ravel() * self._drive).sum())
+        by_lam = 2 * float((walked.ravel() * self._drive).sum()) + 2 * rise
         return gap, 2 * self.system.reduce(walked), by_lam
 
     def along(self, rate: Array) -> Array:
         """Displacement (n, dim) per unit of load factor on the tangent."""
         return self.system.displacement(rate, 1.0) - self.system.displacement(0 * rate, 0.0)
 
+    def distance(self, change: Array, rise: float) -> float:
+        """Length of a step of displacements `change` (n, dim) and load factor `rise`."""
+        return float(np.hypot(np.linalg.norm(change), self.weight * rise))
+
+    def _dot(self, along: Array, change: Array, rise: float) -> float:
+        return float((along * change).sum()) + self.weight**2 * rise
+
     def predict(self, increment: float, rate: Array) -> float:
         along = self.along(rate)
-        size = float(np.linalg.norm(along))
+        size = self.distance(along, 1.0)
         if size == 0 or not np.isfinite(size):
             return float("nan")
         if self.direction is not None:
-            self.sense = 1.0 if float((along * self.direction).sum()) >= 0 else -1.0
+            self.sense = 1.0 if self._dot(along, self.direction, self.load_direction) >= 0 else -1.0
         return self.sense * increment / size
+
+    def load_rate(self, rate: Array, before: State, after: State) -> float:
+        along = self.along(rate)
+        ahead = self._dot(along, after.u - before.u, after.lam - before.lam)
+        return float(np.sign(ahead) / self.distance(along, 1.0))
+
+    def doubt(self, before: Point, attempt: Attempt, tangent: Tangent) -> str:
+        state = attempt.state
+        change, rise = state.u - before.state.u, state.lam - before.state.lam
+        begin, end = self.along(before.tangent.rate), self.along(tangent.rate)
+        walked = self.distance(change, rise)
+        straight = self.sense * self._dot(begin, change, rise) / (self.distance(begin, 1.0) * walked)
+        if straight < SHARPEST_TURN:
+            return "the path would turn back on itself"
+        turned = self._dot(end, change, rise) * self.sense < 0
+        if turned and (tangent.factor.negative - before.negative) % 2 == 0 and straight < NEARLY_STRAIGHT:
+            return "the load factor turned without a limit point, maybe on another branch"
+        return ""
+
+    def accept(self, before: State, after: State) -> None:
+        self.direction, self.load_direction = after.u - before.u, after.lam - before.lam
+
+    @property
+    def memory(self) -> dict[str, Any]:
+        return {name: getattr(self, name) for name in ("weight", "direction", "load_direction", "sense")}

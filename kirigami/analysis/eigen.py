@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from kirigami.analysis.base import Analysis
+from kirigami.analysis.base import Analysis, first_largest
 from kirigami.errors import ModelError
 from kirigami.kernel import Array
 from kirigami.linalg import SingularMatrixError, smallest_eigenpairs
@@ -169,9 +169,3 @@ class Eigen(Analysis):
         if given.shape != (n,) or not np.isfinite(given).all() or np.any(given <= 0):
             raise ModelError(f"Eigen: mass must be one positive number for each of the {n} nodes")
         return given
-
-
-def first_largest(values: Array) -> int:
-    """Index of the first entry whose size is the largest up to rounding, so that signs are repeatable."""
-    size = np.abs(values)
-    return int(np.flatnonzero(size >= size.max() * (1 - 1e-6))[0])

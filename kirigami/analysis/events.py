@@ -1,18 +1,27 @@
-"""What is met between two steps of a path: limit points, changes of stability, snaps."""
+"""What is met between two steps of a path: limit points, bifurcations, snaps.
+
+At both, the tangent stiffness is singular. Where the load factor has an extremum there it is a limit point, else
+another path crosses: a bifurcation. Limit points are found where the rate of the load factor vanishes, bifurcations
+where the number of negative eigenvalues changes, as told by the signs of the pivots (Sylvester's law of inertia).
+"""
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
 
-from kirigami.analysis.control import ArcLengthControl, Control, LoadFactorControl
-from kirigami.analysis.state import Attempt, Point, State, Tangent
+from kirigami.analysis.base import first_largest, make_step
+from kirigami.analysis.control import Control, LoadFactorControl
+from kirigami.analysis.state import Attempt, Point, Tangent
 from kirigami.kernel import Array
+from kirigami.linalg import Factor, SingularMatrixError, factorize
 from kirigami.results import Event, Results
 from kirigami.system import System
 
 LIMIT_TOLERANCE = 1e-7  # relative error in load to which limit points are located
+BIFURCATION_TOLERANCE = 1e-4  # share of the range of load factors to which bifurcations are located
 SNAP = 1e-3  # least energy set free, as a share of the stored energy, that counts as a snap
 
 
@@ -28,14 +37,35 @@ class Walker(Protocol):
     def tangent_at(self, attempt: Attempt) -> Tangent | None: ...
 
 
-def report_events(path: Walker, before: Point, after: Point, increment: float, left_unstable: int = 0) -> None:
-    """Add to the results of `path` what happened between two of its points, one increment apart."""
-    events, index = path.found.events, len(path.found) - 2
+@dataclass
+class Place:
+    """A converged point some way into an increment."""
+
+    way: float
+    point: Point
+    attempt: Attempt | None = None
+
+
+class LostPathError(Exception):
+    """An equilibrium between two known ones was not found."""
+
+
+def report_events(path: Walker, before: Point, after: Point, increment: float, left: Point | None = None) -> None:
+    """Add to the results of `path` what happened between two of its points, one increment apart.
+
+    `left` is the unstable equilibrium at the end of the increment that was left downhill for `after`, if any.
+    """
+    events, index = path.found.events, len(path.found) - 1
     bracket = (before.state.lam, after.state.lam)
-    if left_unstable:
+    reached = after if left is None else left
+    try:
+        _report_singular_points(path, before, reached, increment, index)
+    finally:
+        path.system.history = after.history
+    if left is not None:
         message = (
             f"the path loses its stability between load factors {bracket[0]:.6g} and {bracket[1]:.6g} "
-            f"({left_unstable} negative eigenvalues) and was left downhill for a stable equilibrium"
+            f"({left.negative} negative eigenvalues) and was left downhill for a stable equilibrium"
         )
         events.append(Event("switch", 0.5 * sum(bracket), index, message, bracket))
     if isinstance(path.control, LoadFactorControl):
@@ -46,23 +76,6 @@ def report_events(path: Walker, before: Point, after: Point, increment: float, l
                 f"energy of {released:.3g} was set free ({100 * share:.2g} %)"
             )
             events.append(Event("snap", 0.5 * sum(bracket), index, message, bracket))
-    else:
-        rates = _load_rate(path, before, before, after), _load_rate(path, after, before, after)
-        if np.isfinite(rates).all() and rates[0] * rates[1] < 0:
-            found = _locate_limit_point(path, before, after, increment, rates)
-            kind = "maximum" if rates[0] > 0 else "minimum"
-            message = f"limit point ({kind}) at load factor {found.lam:.8g}"
-            u = np.zeros((len(found.u), 3))
-            u[:, : found.u.shape[1]] = found.u
-            events.append(Event("limit point", found.lam, index, message, bracket, u))
-            if abs(after.negative - before.negative) == 1:
-                return  # the change of stability is the limit point itself
-    if before.negative != after.negative:
-        message = (
-            f"{before.negative} to {after.negative} negative eigenvalues between load factors "
-            f"{bracket[0]:.6g} and {bracket[1]:.6g}"
-        )
-        events.append(Event("stability change", 0.5 * sum(bracket), index, message, bracket))
 
 
 def _energy_set_free(path: Walker, before: Point, after: Point) -> tuple[float, float]:
@@ -82,52 +95,163 @@ def _energy_set_free(path: Walker, before: Point, after: Point) -> tuple[float, 
     return released, (released - explained) / max(abs(energy[1]), 1e-300)
 
 
+# ---- singular points
+
+
+def _report_singular_points(path: Walker, before: Point, after: Point, increment: float, index: int) -> None:
+    """Locate every limit point and bifurcation on the path from `before` to `after`."""
+    bracket = (before.state.lam, after.state.lam)
+    rates = _load_rate(path, before, before, after), _load_rate(path, after, before, after)
+    limit: Place | None = None
+    if not isinstance(path.control, LoadFactorControl) and np.isfinite(rates).all() and rates[0] * rates[1] < 0:
+        limit = _locate_limit_point(path, before, after, increment, rates)
+        kind = "maximum" if rates[0] > 0 else "minimum"
+        message = f"limit point ({kind}) at load factor {limit.point.state.lam:.8g}"
+        _append(path, "limit point", limit, index, message, bracket)
+        if abs(after.negative - before.negative) == 1:
+            return  # the change of stability is the limit point itself
+    low, end = Place(0.0, before), Place(increment, after)
+    try:
+        while low.point.negative != end.point.negative:
+            near, far = _locate_crossing(path, before, low, end)
+            if limit is None or not near.way <= limit.way <= far.way:
+                place = min(near, far, key=lambda p: abs(critical_pair(path.system, p.point.tangent)[0]))
+                message = (
+                    f"bifurcation at load factor {place.point.state.lam:.8g} "
+                    f"({near.point.negative} to {far.point.negative} negative eigenvalues)"
+                )
+                _append(path, "bifurcation", place, index, message, bracket)
+            low = far
+    except LostPathError:
+        between = low.point.state.lam, end.point.state.lam
+        message = (
+            f"{low.point.negative} to {end.point.negative} negative eigenvalues between load factors "
+            f"{between[0]:.6g} and {between[1]:.6g}"
+        )
+        path.found.events.append(Event("stability change", 0.5 * sum(between), index, message, bracket))
+
+
+def _append(path: Walker, kind: str, place: Place, index: int, message: str, bracket: tuple[float, float]) -> None:
+    """Add a located point with its critical mode to the events."""
+    system, point = path.system, place.point
+    state = point.state
+    system.history = point.history
+    iterations = 0 if place.attempt is None else place.attempt.iterations
+    residual = system.imbalance(state.u, state.lam)[1]
+    step = make_step(system, state.u, state.lam, point.negative, residual, iterations)
+    mode = nodal_shape(system, critical_pair(system, point.tangent)[1])
+    path.found.events.append(Event(kind, float(state.lam), index, message, bracket, step, mode))
+
+
+def nodal_shape(system: System, vector: Array) -> Array:
+    """Unknowns (free,) as a shape (n, 3): largest component 1, the first of the largest entries positive."""
+    shape = np.zeros((len(system.rest), 3))
+    shape[:, : system.dim] = system.displacement(vector, 0.0) - system.displacement(0 * vector, 0.0)
+    scaled: Array = shape / shape.ravel()[first_largest(shape.ravel())]
+    return scaled
+
+
+def critical_pair(system: System, tangent: Tangent) -> tuple[float, Array]:
+    """Eigenvalue nearest to zero, and its vector (free,) of unit length."""
+    try:
+        return _inverse_iteration(tangent.factor, system.free)
+    except SingularMatrixError:
+        from scipy.sparse import eye
+
+        # So near to zero that it takes a shift to solve at all.
+        matrix = system.matrix(tangent.blocks)
+        shift = 1e-9 * float(np.abs(matrix.diagonal()).mean())
+        value, vector = _inverse_iteration(factorize((matrix + shift * eye(system.free)).tocsc()), system.free)
+        return value - shift, vector
+
+
+def _inverse_iteration(factor: Factor, size: int) -> tuple[float, Array]:
+    vector = np.random.default_rng(0).normal(size=size)
+    vector /= np.linalg.norm(vector)
+    value = float("inf")
+    for _ in range(30):
+        solution = factor.solve(vector)
+        length = float(np.linalg.norm(solution))
+        before, value = value, float(solution @ vector) / length**2
+        vector = solution / length
+        if abs(value - before) < 1e-4 * abs(value):
+            break
+    return value, vector
+
+
 def _load_rate(path: Walker, point: Point, before: Point, after: Point) -> float:
     """Change of the load factor on the tangent of `point`, walked in the sense of the step from before to after."""
-    control = path.control
-    step = after.state.u - before.state.u
-    if isinstance(control, ArcLengthControl):
-        along = control.along(point.tangent.rate)
-        return float(np.sign((along * step).sum()) / np.linalg.norm(along))
-    ends = [control.value(p.state.q, p.state.lam) for p in (before, after)]
-    return control.predict(1.0, point.tangent.rate) * float(np.sign(ends[1] - ends[0]))
+    return path.control.load_rate(point.tangent.rate, before.state, after.state)
+
+
+def _at(path: Walker, before: Point, way: float) -> Place:
+    """The point of the path `way` into the increment that starts from `before`."""
+    path.system.history = before.history
+    attempt = path.try_increment(before, way)
+    tangent = path.tangent_at(attempt)
+    if tangent is None:
+        raise LostPathError
+    return Place(way, Point(attempt.state, tangent, before.history), attempt)
 
 
 def _locate_limit_point(
     path: Walker, before: Point, after: Point, increment: float, rates: tuple[float, float]
-) -> State:
-    """The state of extreme load factor between two points: regula falsi (Illinois) on the rate of the load factor."""
+) -> Place:
+    """The place of extreme load factor between two points: regula falsi (Illinois) on the rate of the load factor."""
     low, high = 0.0, increment
     f_low, f_high = rates
-    best, best_rate = (after.state, abs(f_high)) if abs(f_high) < abs(f_low) else (before.state, abs(f_low))
+    best, best_rate = Place(low, before), abs(f_low)
+    if abs(f_high) < best_rate:
+        best, best_rate = Place(high, after), abs(f_high)
     scale = max(abs(before.state.lam), abs(after.state.lam), 1e-300)
     side = 0
-    try:
-        for _ in range(40):
-            # Near its zero the rate is linear, so the load factor is off by about half of rate times distance.
-            if best_rate * abs(high - low) < LIMIT_TOLERANCE * max(scale, abs(best.lam)):
-                break
-            trial = (low * f_high - high * f_low) / (f_high - f_low)
-            path.system.history = before.history
-            _keep_direction(path, after.state.u - before.state.u)
-            attempt = path.try_increment(before, trial)
-            tangent = path.tangent_at(attempt)
-            if tangent is None:
-                break
-            rate = _load_rate(path, Point(attempt.state, tangent, before.history), before, after)
-            if abs(rate) < best_rate:
-                best, best_rate = attempt.state, abs(rate)
-            if rate * f_high < 0:
-                low, f_low, f_high = trial, rate, f_high / 2 if side == -1 else f_high
-                side = -1
-            else:
-                high, f_high, f_low = trial, rate, f_low / 2 if side == 1 else f_low
-                side = 1
-    finally:
-        path.system.history = after.history
+    for _ in range(40):
+        # Near its zero the rate is linear, so the load factor is off by about half of rate times distance.
+        if best_rate * abs(high - low) < LIMIT_TOLERANCE * max(scale, abs(best.point.state.lam)):
+            break
+        trial = (low * f_high - high * f_low) / (f_high - f_low)
+        try:
+            place = _at(path, before, trial)
+        except LostPathError:
+            break
+        rate = _load_rate(path, place.point, before, after)
+        if abs(rate) < best_rate:
+            best, best_rate = place, abs(rate)
+        if rate * f_high < 0:
+            low, f_low, f_high = trial, rate, f_high / 2 if side == -1 else f_high
+            side = -1
+        else:
+            high, f_high, f_low = trial, rate, f_low / 2 if side == 1 else f_low
+            side = 1
     return best
 
 
-def _keep_direction(path: Walker, step: Array) -> None:
-    if isinstance(path.control, ArcLengthControl):
-        path.control.direction = step
+def _locate_crossing(path: Walker, before: Point, low: Place, high: Place) -> tuple[Place, Place]:
+    """The two ends of a short piece of path on which the number of negative eigenvalues first changes.
+
+    Brent's method on the eigenvalue nearest to zero; on which side of the change a point lies, its inertia tells.
+    """
+    from scipy.optimize import brentq
+
+    first = low.point.negative
+    known = {low.way: low, high.way: high}
+
+    def eigenvalue(way: float) -> float:
+        place = known.get(way)
+        if place is None:
+            place = known[way] = _at(path, before, way)
+        value = abs(critical_pair(path.system, place.point.tangent)[0])
+        return value if place.point.negative == first else -value
+
+    reached = [step.lam for step in path.found.steps] + [high.point.state.lam]
+    tolerance = BIFURCATION_TOLERANCE * float(np.ptp(reached))
+    near, far, close = low, high, 1e-3 * abs(high.way)
+    for _ in range(4):  # the load factor may change faster than the way
+        brentq(eigenvalue, near.way, far.way, xtol=0.5 * close, rtol=1e-9, disp=False)
+        far = min((p for p in known.values() if p.point.negative != first), key=lambda p: abs(p.way))
+        near = max((p for p in known.values() if abs(p.way) < abs(far.way)), key=lambda p: abs(p.way))
+        apart = abs(far.point.state.lam - near.point.state.lam)
+        if apart <= tolerance:
+            break
+        close *= 0.5 * tolerance / apart
+    return near, far

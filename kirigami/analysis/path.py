@@ -13,15 +13,16 @@ from numpy.typing import ArrayLike
 from kirigami.analysis.base import require_drive
 from kirigami.analysis.control import ArcLengthControl, Control, LoadFactorControl, SingleDisplacementControl
 from kirigami.analysis.increments import Increments, ordered_targets
-from kirigami.analysis.state import State, Tangent
+from kirigami.analysis.state import Point, State, Tangent
 from kirigami.analysis.walk import PathAnalysis
 from kirigami.constraints import AXES
 from kirigami.errors import ModelError
 from kirigami.model import Model, Node, require_finite
-from kirigami.results import Step
+from kirigami.results import Event, Step
 from kirigami.system import System
 
 SMALLEST = 1e-7  # smallest increment, as a share of the whole range
+GROWTH = 0.1  # share of the distance from the start that an arc may have
 
 
 class _RangeAnalysis(PathAnalysis):
@@ -34,10 +35,11 @@ class _RangeAnalysis(PathAnalysis):
         targets: ArrayLike | None,
         step: float | None,
         tol: float,
-        start: Step | None,
+        start: Step | Event | None,
         on_instability: str,
+        branch: int | None,
     ) -> None:
-        super().__init__(model, tol, start, on_instability)
+        super().__init__(model, tol, start, on_instability, branch)
         owner = type(self).__name__
         self.to = require_finite(to, "to", owner)
         self.targets = targets
@@ -68,11 +70,13 @@ class LoadControl(_RangeAnalysis):
         First increment; None takes a twentieth of the range. Increments adapt and stay below a tenth of it.
     tol : float
         Relative residual that every stored step meets.
-    start : Step, optional
-        Stored step to go on from.
+    start : Step or Event, optional
+        Stored step, or located limit point or bifurcation, to go on from.
     on_instability : {"follow", "switch", "stop"}
         At an unstable equilibrium: follow the path; leave it downhill for a stable one at the same load factor, as a
         real structure does in a snap; or stop there. Events tell what was met.
+    branch : {1, -1}, optional
+        With a bifurcation as `start`: leave it along its mode, or against it.
 
     Examples
     --------
@@ -92,10 +96,11 @@ class LoadControl(_RangeAnalysis):
         targets: ArrayLike | None = None,
         step: float | None = None,
         tol: float = 1e-8,
-        start: Step | None = None,
+        start: Step | Event | None = None,
         on_instability: str = "follow",
+        branch: int | None = None,
     ) -> None:
-        super().__init__(model, to, targets, step, tol, start, on_instability)
+        super().__init__(model, to, targets, step, tol, start, on_instability, branch)
 
     def _make_control(self, system: System) -> Control:
         require_drive(system, type(self).__name__)
@@ -120,11 +125,14 @@ class DisplacementControl(_RangeAnalysis):
         First increment; None takes a twentieth of the range. Increments adapt and stay below a tenth of it.
     tol : float
         Relative residual that every stored step meets.
-    start : Step, optional
-        Stored step to go on from.
+    start : Step or Event, optional
+        Stored step, or located limit point or bifurcation, to go on from.
     on_instability : {"switch", "follow", "stop"}, optional
         As for :class:`LoadControl`; the default is "switch" for prescribed displacements, because a pulled sheet
-        snaps from one stable shape to the next, and "follow" with `control`.
+        snaps from one stable shape to the next, and "follow" with `control`. With `control` the load factor is free,
+        so "switch" goes over to the other path at bifurcations and follows limit points.
+    branch : {1, -1}, optional
+        With a bifurcation as `start`: leave it along its mode, or against it.
 
     Examples
     --------
@@ -146,14 +154,13 @@ class DisplacementControl(_RangeAnalysis):
         targets: ArrayLike | None = None,
         step: float | None = None,
         tol: float = 1e-8,
-        start: Step | None = None,
+        start: Step | Event | None = None,
         on_instability: str | None = None,
+        branch: int | None = None,
     ) -> None:
         if on_instability is None:
             on_instability = "switch" if control is None else "follow"
-        if on_instability == "switch" and control is not None:
-            raise ModelError("on_instability='switch' needs a prescribed load factor: leave out `control`")
-        super().__init__(model, to, targets, step, tol, start, on_instability)
+        super().__init__(model, to, targets, step, tol, start, on_instability, branch)
         if control is not None:
             node, axis = control if isinstance(control, (tuple, list)) and len(control) == 2 else (None, None)
             if not isinstance(node, Node) or axis not in tuple(AXES[: model.dim]):
@@ -180,15 +187,24 @@ class ArcLength(PathAnalysis):
         Loads and prescribed displacements scale with the load factor.
     step : float
         First increment of the load factor; it fixes the arc length, which then adapts but never exceeds four times
-        its first value. A negative step starts backwards.
+        its first value or a tenth of the distance from the start. A negative step starts backwards; on a branch only
+        the size of its first step counts.
     stop : callable, optional
         ``stop(step) -> bool``; the path ends after the first stored step for which it is true.
     max_steps : int
         Most steps to take.
     tol : float
         Relative residual that every stored step meets.
-    start : Step, optional
-        Stored step to go on from.
+    start : Step or Event, optional
+        Stored step, or located limit point or bifurcation, to go on from.
+    arc : {"cylindrical", "spherical"}
+        Whether the arc is measured in displacements alone, or with the load factor as one more displacement, scaled
+        to count as much as the others in the first step.
+    on_instability : {"follow", "switch", "stop"}
+        At an unstable equilibrium: follow the path through limit points and bifurcations; go over to the other path
+        at each bifurcation at which stability is lost; or stop there.
+    branch : {1, -1}, optional
+        With a bifurcation as `start`: leave it along its mode, or against it.
 
     Examples
     --------
@@ -209,9 +225,15 @@ class ArcLength(PathAnalysis):
         stop: Callable[[Step], bool] | None = None,
         max_steps: int = 500,
         tol: float = 1e-8,
-        start: Step | None = None,
+        start: Step | Event | None = None,
+        arc: str = "cylindrical",
+        on_instability: str = "follow",
+        branch: int | None = None,
     ) -> None:
-        super().__init__(model, tol, start)
+        super().__init__(model, tol, start, on_instability, branch)
+        if arc not in ("cylindrical", "spherical"):
+            raise ModelError(f"ArcLength: arc must be 'cylindrical' or 'spherical', got {arc!r}")
+        self.arc = arc
         self.step = require_finite(step, "step", "ArcLength")
         if self.step == 0:
             raise ModelError("ArcLength: step must not be zero")
@@ -227,10 +249,19 @@ class ArcLength(PathAnalysis):
     def _plan(self, control: Control, state: State, tangent: Tangent) -> Increments:
         assert isinstance(control, ArcLengthControl)
         control.sense = float(np.sign(self.step))
-        length = abs(self.step) * float(np.linalg.norm(control.along(tangent.rate)))
+        along = control.along(tangent.rate)
+        if self.arc == "spherical":
+            control.weight = float(np.linalg.norm(along))
+        length = abs(self.step) * control.distance(along, 1.0)
+        if control.direction is not None:  # a branch: its first step is made, and near its root the tangent is steep
+            length = control.distance(control.direction, control.load_direction)
         if not length > 0:
             raise ModelError("ArcLength: the loads do not move the structure, so there is no path to follow")
         return Increments(length, 4 * length, 1e-6 * length)
+
+    def _steer(self, increments: Increments, point: Point) -> None:
+        away = float(np.linalg.norm(point.state.u - self.found[0].u[:, : self.model.dim]))
+        increments.largest = max(increments.largest, GROWTH * away)
 
     def _stops(self, step: Step) -> bool:
         return self.stop is not None and len(self.found) > 1 and bool(self.stop(step))

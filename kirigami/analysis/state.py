@@ -30,7 +30,7 @@ class Attempt:
     reason: str = ""
     relaxed: bool = False
     drift: float = 0.0
-    left_unstable: int = 0  # negative eigenvalues of the equilibrium that a relaxation left
+    left: Point | None = None  # the unstable equilibrium that a relaxation left
 
 
 @dataclass

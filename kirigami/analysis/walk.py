@@ -7,19 +7,24 @@ are negative there is stored with it.
 
 from __future__ import annotations
 
+import copy
+import os
 import warnings
 from collections.abc import Callable, Iterable
-from typing import NoReturn
+from contextlib import suppress
+from typing import Any, NoReturn
 
 import numpy as np
 
 from kirigami.analysis.base import Analysis, make_step
-from kirigami.analysis.control import ArcLengthControl, Control, LoadFactorControl
+from kirigami.analysis.branch import leave_along_mode
+from kirigami.analysis.checkpoint import Checkpoint, fingerprint
+from kirigami.analysis.control import Control, LoadFactorControl
 from kirigami.analysis.events import report_events
 from kirigami.analysis.increments import Increments
 from kirigami.analysis.newton import correct
 from kirigami.analysis.state import Attempt, Point, State, Tangent
-from kirigami.errors import ConvergenceError, KirigamiWarning, ModelError
+from kirigami.errors import AnalysisError, ConvergenceError, KirigamiWarning, ModelError
 from kirigami.kernel import Array
 from kirigami.linalg import Factor, SingularMatrixError
 from kirigami.model import Model, require_positive
@@ -42,15 +47,26 @@ class PathAnalysis(Analysis):
 
     max_steps = 100_000
 
-    def __init__(self, model: Model, tol: float, start: Step | None, on_instability: str = "follow") -> None:
+    def __init__(
+        self, model: Model, tol: float, start: Step | Event | None, on_instability: str, branch: int | None
+    ) -> None:
         super().__init__(model)
         owner = type(self).__name__
         if on_instability not in ON_INSTABILITY:
             raise ModelError(f"{owner}: on_instability must be one of {ON_INSTABILITY}, got {on_instability!r}")
         self.on_instability = on_instability
         self.tol = require_positive(tol, "tol", owner)
+        self.branch = branch
+        self.mode: Array | None = None
+        if branch is not None and (branch not in (1, -1) or getattr(start, "kind", "") != "bifurcation"):
+            raise ModelError(f"{owner}: branch=+1 or -1 goes with start=event, a located bifurcation of results.events")
+        if isinstance(start, Event):
+            if start.located is None:
+                raise ModelError(f"{owner}: this event was not located, so nothing can start from it: {start}")
+            self.mode = start.mode
+            start = start.located
         if start is not None and not isinstance(start, Step):
-            raise ModelError(f"{owner}: start must be a Step, such as results[-1], got {start!r}")
+            raise ModelError(f"{owner}: start must be a Step, such as results[-1], or an Event, got {start!r}")
         self.start = start
 
     # What the three methods differ in.
@@ -65,10 +81,18 @@ class PathAnalysis(Analysis):
     def _stops(self, step: Step) -> bool:
         return False
 
+    def _steer(self, increments: Increments, point: Point) -> None:
+        """Adjust the increments once a point is accepted."""
+
     # ---- the walk
 
     def run(
-        self, progress: bool = False, recorders: Iterable[Recorder] = (), on_failure: str = "raise"
+        self,
+        progress: bool = False,
+        recorders: Iterable[Recorder] = (),
+        on_failure: str = "raise",
+        checkpoint: str | os.PathLike[str] | None = None,
+        resume: bool = True,
     ) -> Results:
         """Follow the path.
 
@@ -81,6 +105,12 @@ class PathAnalysis(Analysis):
         on_failure : {"raise", "return"}
             What to do where no equilibrium is found: raise a ConvergenceError, or return the results so far with a
             warning and an event.
+        checkpoint : path, optional
+            A file that is kept up to date with every accepted step (or so often that writing takes a twentieth of the
+            time), so that nothing is lost when the process is killed. :func:`kirigami.load` reads it as results.
+        resume : bool
+            Whether to go on from the checkpoint where there is one: the same call finishes what was begun, with the
+            same curve as without the interruption. False starts anew and replaces it.
 
         Returns
         -------
@@ -93,6 +123,8 @@ class PathAnalysis(Analysis):
             The model cannot be analysed as it is.
         ConvergenceError
             No equilibrium at the smallest increment; it carries the results so far.
+        AnalysisError
+            The checkpoint belongs to another model or analysis, or is damaged; it is left as it is.
         """
         if on_failure not in ("raise", "return"):
             raise ModelError(f"on_failure must be 'raise' or 'return', got {on_failure!r}")
@@ -100,30 +132,42 @@ class PathAnalysis(Analysis):
         self.system, self.found, self._recorders = system, results, tuple(recorders)
         self.control = self._make_control(system)
         system.check_supports()
+        self._checkpoint = None
+        stored = None
+        if checkpoint is not None:
+            self._checkpoint = Checkpoint(checkpoint, fingerprint(system, self._settings()))
+            stored = self._checkpoint.read() if resume else None
         with progress_bar(progress, type(self).__name__) as self._bar:
             try:
-                self._walk()
+                self._walk(stored)
             except KeyboardInterrupt:
+                self._write_checkpoint()
                 lam = results.steps[-1].lam if results.steps else 0.0
                 message = f"interrupted after {len(results)} steps at load factor {lam:.6g}"
                 results.events.append(Event("interrupted", lam, len(results) - 1, message))
                 warnings.warn(message, KirigamiWarning, stacklevel=2)
             except ConvergenceError as error:
+                self._write_checkpoint()
                 self._finish(system, results)
                 if on_failure == "raise":
                     raise
                 lam = results.steps[-1].lam if results.steps else 0.0
                 results.events.append(Event("failed", lam, len(results) - 1, str(error)))
                 warnings.warn(str(error), KirigamiWarning, stacklevel=2)
+        self._write_checkpoint()
         return self._finish(system, results)
 
-    def _walk(self) -> None:
+    def _walk(self, stored: tuple[Results, dict[str, Any]] | None) -> None:
         system, control, results = self.system, self.control, self.found
-        point = self._first_equilibrium()
-        increments = self._plan(control, point.state, point.tangent)
+        start = self._starting_state()
+        if stored is not None:
+            point, increments = self._resume(start, *stored)
+        else:
+            point = self._first_equilibrium(start) if self.branch is None else self._begin_branch(start)
+            increments = self._plan(control, point.state, point.tangent)
         self._bar.start(increments.progress(control.value(point.state.q, point.state.lam)))
-        for _ in range(self.max_steps):
-            if self._stops(results[-1]):
+        while len(results) <= self.max_steps:
+            if self._stops(results[-1]) or (self.on_instability == "stop" and len(results) > 1 and point.negative):
                 return
             increment = increments.next_increment(control.value(point.state.q, point.state.lam))
             if increment is None:
@@ -143,33 +187,122 @@ class PathAnalysis(Analysis):
                 increment = shorter
             system.commit(attempt.state.u)
             point = Point(attempt.state, tangent, system.history)
-            if isinstance(control, ArcLengthControl):
-                control.direction = point.state.u - before.state.u
+            known = len(results.events)
+            report_events(self, before, point, increment, attempt.left)
+            if self.on_instability == "switch" and not isinstance(control, LoadFactorControl):
+                before, point, attempt = self._switch(results.events[known:], before, point, attempt)
+            control.accept(before.state, point.state)
             self._store(point, attempt)
-            report_events(self, before, point, increment, attempt.left_unstable)
-            if self.on_instability == "stop" and point.negative:
-                return
+            self._steer(increments, point)
             increments.adapt(increment, attempt)
+            self._note(increments)
             self._bar.move(increments.progress(control.value(point.state.q, point.state.lam)))
         message = f"ended after {self.max_steps} steps, the most allowed, at load factor {results[-1].lam:.6g}"
         results.events.append(Event("step limit", results[-1].lam, len(results) - 1, message))
+
+    # ---- checkpoints
+
+    def _settings(self) -> dict[str, Any]:
+        """What tells this analysis from another one of the same model; where it ends by choice does not."""
+        free = ("model", "results", "system", "found", "control", "stop", "max_steps")
+        settings = {name: value for name, value in vars(self).items() if name not in free and name[0] != "_"}
+        return {"analysis": type(self).__name__, **settings}
+
+    def _note(self, increments: Increments) -> None:
+        """Tell the checkpoint, if there is one, where the walk stands."""
+        if self._checkpoint is not None:
+            self._count_seconds(self.system, self.found)
+            self._checkpoint.note(self.found, {"increments": copy.deepcopy(vars(increments)), **self.control.memory})
+
+    def _write_checkpoint(self) -> None:
+        if self._checkpoint is not None:
+            self._checkpoint.finish()
+
+    def _resume(self, start: State, stored: Results, memory: dict[str, Any]) -> tuple[Point, Increments]:
+        """Bring the walk to where a checkpoint left it."""
+        system, results = self.system, self.found
+        # The order of elimination comes from the first matrix, and the last bits of every solution from the order.
+        with suppress(SingularMatrixError):
+            self._new_factor(system.stiffness_blocks(start.u, start.lam))
+        for step in stored.steps:
+            results.append(step)
+        results.events.extend(stored.events)
+        last, before = results[-1], results[max(len(results) - 2, 0)]
+        q = system.unknowns(last.u)
+        state = State(q, last.lam, system.displacement(q, last.lam))
+        system.history = before.history  # as it was when the tangent was taken
+        tangent = self.tangent_at(Attempt(state, True, last.residual, 0))
+        if tangent is None:
+            raise AnalysisError("the last step of the checkpoint is singular: it was not written by this version")
+        system.history = last.history
+        increments = Increments(1.0, 1.0, 1.0)
+        vars(increments).update(memory.pop("increments"))
+        vars(self.control).update(memory)
+        seconds = dict(stored.stats["seconds"])
+        self._started -= seconds.pop("total", 0.0)
+        system.clock.seconds = seconds
+        results.stats = stored.stats
+        return Point(state, tangent, last.history), increments
+
+    # ---- one step
 
     def _step(self, before: Point, increment: float, hard: bool) -> tuple[Attempt, Tangent | None]:
         """One increment by Newton's method, and by relaxation where that is allowed and called for."""
         attempt = self.try_increment(before, increment)
         tangent = self.tangent_at(attempt)
+        if tangent is not None:
+            attempt.reason = self.control.doubt(before, attempt, tangent)
+            if attempt.reason:
+                return attempt, None
         relax = hard if tangent is None else tangent.factor.negative > 0
-        if self.on_instability == "switch" and relax:
+        if self.on_instability == "switch" and relax and isinstance(self.control, LoadFactorControl):
             self.found.stats["relaxations"] += 1
             relaxed = self._relax(before, increment)
             relaxed_tangent = self.tangent_at(relaxed)
             if relaxed_tangent is not None:
-                relaxed.left_unstable = 0 if tangent is None else tangent.factor.negative
+                relaxed.left = None if tangent is None else Point(attempt.state, tangent, before.history)
                 return relaxed, relaxed_tangent
         return attempt, tangent
 
-    def _first_equilibrium(self) -> Point:
-        """Equilibrium at the starting load factor, stored as step 0."""
+    def _switch(
+        self, events: list[Event], before: Point, after: Point, attempt: Attempt
+    ) -> tuple[Point, Point, Attempt]:
+        """Where an eigenvalue has become negative at a bifurcation, the step on to its branch instead of the one made.
+
+        Only for controls with an unknown load factor; at a given one a relaxation finds the stable equilibrium.
+        """
+        for event in events:
+            if event.kind != "bifurcation" or after.negative <= before.negative:
+                continue
+            assert event.located is not None and event.mode is not None
+            found = leave_along_mode(self, event.located, event.mode, 1)
+            if found is not None:
+                message = f"left at the bifurcation at load factor {event.lam:.6g} for the branch along its mode"
+                self.found.events.append(Event("switch", event.lam, event.step, message, event.bracket))
+                q = self.system.unknowns(event.located.u)
+                lam = event.located.lam
+                origin = Point(State(q, lam, self.system.displacement(q, lam)), before.tangent, event.located.history)
+                return origin, *found
+        self.system.history = after.history
+        return before, after, attempt
+
+    def _begin_branch(self, origin: State) -> Point:
+        """The first step on a branch of the bifurcation that the analysis starts from, which is stored as step 0."""
+        assert self.start is not None and self.mode is not None and self.branch is not None
+        self._record(self.start)
+        found = leave_along_mode(self, self.start, self.mode, self.branch)
+        if found is None:
+            raise ConvergenceError(
+                f"no branch was found along the mode of the bifurcation at load factor {self.start.lam:.6g}",
+                results=self.found,
+                hint="start from the event of a run with a smaller step or tol, or perturb the model with event.mode",
+            )
+        self.control.accept(origin, found[0].state)
+        self._store(*found)
+        return found[0]
+
+    def _starting_state(self) -> State:
+        """Where the walk starts: at rest, or at a given step."""
         system, start = self.system, self.start
         lam, u = 0.0, np.zeros_like(system.rest)
         if start is not None:
@@ -191,10 +324,15 @@ class PathAnalysis(Analysis):
         state = State(q, lam, system.displacement(q, lam))
         if start is not None and not any(value is not None for value in start.history):
             system.commit(state.u)
+        return state
+
+    def _first_equilibrium(self, state: State) -> Point:
+        """Equilibrium at the starting load factor, stored as step 0."""
+        system = self.system
         stay = LoadFactorControl()
         stay.begin(state, 0.0)
-        self._first_factor(system, self.found, state.u, lam)
-        attempt = correct(system, self._new_factor, stay, state, self.tol, MAX_ITERATIONS, self._count)
+        self._first_factor(system, self.found, state.u, state.lam)
+        attempt = self.correct(stay, state)
         if not attempt.converged:
             attempt = correct(system, self._new_factor, stay, state, self.tol, MAX_RELAXATION, self._count, True)
         tangent = self.tangent_at(attempt)
@@ -226,7 +364,7 @@ class PathAnalysis(Analysis):
         if system.largest_rotation(change) > PREDICTED_TURN:
             return Attempt(before.state, False, float("inf"), 0, [], "the increment turns members too far")
         system.linearize(before.state.u, change)
-        attempt = correct(system, self._new_factor, self.control, state, self.tol, MAX_ITERATIONS, self._count)
+        attempt = self.correct(self.control, state)
         attempt.iterations += 1
         attempt.drift = system.largest_rotation(attempt.state.u - state.u)
         if attempt.converged and attempt.drift > DRIFT_LARGEST:
@@ -253,6 +391,10 @@ class PathAnalysis(Analysis):
         attempt.relaxed = True
         return attempt
 
+    def correct(self, control: Control, state: State) -> Attempt:
+        """Correct a state by Newton's method under any control."""
+        return correct(self.system, self._new_factor, control, state, self.tol, MAX_ITERATIONS, self._count)
+
     def tangent_at(self, attempt: Attempt) -> Tangent | None:
         """The exact tangent at a converged state; None where the attempt failed or the tangent is singular."""
         if not attempt.converged:
@@ -276,7 +418,9 @@ class PathAnalysis(Analysis):
 
     def _store(self, point: Point, attempt: Attempt) -> None:
         state = point.state
-        step = make_step(self.system, state.u, state.lam, point.negative, attempt.residual, attempt.iterations)
+        self._record(make_step(self.system, state.u, state.lam, point.negative, attempt.residual, attempt.iterations))
+
+    def _record(self, step: Step) -> None:
         self.found.append(step)
         for recorder in self._recorders:
             recorder(step)

@@ -214,6 +214,7 @@ def random_slits(
     gap: float,
     margin: float = 0.0,
     crossing: bool = False,
+    angles: tuple[float, float] = (0.0, 180.0),
 ) -> list[BaseGeometry]:
     """Slits of random place, length and direction inside a rectangle, reproducible from the seed.
 
@@ -232,12 +233,15 @@ def random_slits(
     margin : float
         Height of the uncut strips below and above the pattern.
     crossing : bool
-        Let slits cross, but in such a way that each group of crossing slits encloses no piece of the sheet.
+        Let slits cross, but in such a way that each group of crossing slits encloses no piece of the sheet. They cross
+        at 30 degrees or more.
+    angles : (float, float)
+        Smallest and largest direction in degrees, counter-clockwise from x, uniformly distributed in between.
 
     Raises
     ------
     GeometryError
-        If there is no room for so many slits.
+        If there is no room for so many slits, or a parameter has no meaning.
 
     Examples
     --------
@@ -247,13 +251,16 @@ def random_slits(
     """
     _counts(count=count)
     _positive(width=width, height=height, shortest=length[0], longest=length[1], gap=gap)
+    _not_negative(margin=margin)
+    if not (length[0] <= length[1] and np.isfinite(angles).all() and angles[0] <= angles[1]):
+        raise GeometryError(f"length and angles must be ranges from low to high, not {length} and {angles}")
     random = np.random.default_rng(seed)
     area = shapely.box(gap, margin + gap, width - gap, margin + height - gap)
     cuts: list[BaseGeometry] = []
     group: list[int] = []  # slits that hang together
     for _ in range(300 * count):
         centre = random.uniform((0.0, margin), (width, margin + height))
-        angle, reach = random.uniform(0.0, np.pi), 0.5 * random.uniform(*length)
+        angle, reach = np.radians(random.uniform(*angles)), 0.5 * random.uniform(*length)
         arm = reach * np.array([np.cos(angle), np.sin(angle)])
         slit = shapely.LineString([centre - arm, centre + arm])
         if not area.covers(slit):

@@ -1,0 +1,126 @@
+"""Checkpoints: a path analysis that was killed goes on where it was, and finds the same curve.
+
+A checkpoint is a results file of the steps so far, with what steers the walk beside it. It is replaced as a whole, so
+whatever happens there is a good one. A fingerprint of model and analysis keeps it from being used for another run.
+"""
+
+from __future__ import annotations
+
+import copy
+import hashlib
+import json
+import os
+import time
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from kirigami.errors import AnalysisError, ModelError
+from kirigami.model import Model, Node
+from kirigami.results import Results, Step
+from kirigami.storage import pack, read, unpack_path, write
+
+if TYPE_CHECKING:
+    from kirigami.system import System
+
+BUSY = 20  # a checkpoint waits until this many times the seconds that the last one took have passed
+
+
+class Checkpoint:
+    """The file of one run; writes when it costs little, and always when told to finish."""
+
+    def __init__(self, path: str | os.PathLike[str], fingerprint: str) -> None:
+        self.path, self.fingerprint = Path(path), fingerprint
+        if self.path.is_dir():
+            raise ModelError(f"checkpoint must be a file, but {self.path} is a folder")
+        self._pending: tuple[Results, dict[str, Any]] | None = None
+        self._next = 0.0
+
+    def read(self) -> tuple[Results, dict[str, Any]] | None:
+        """A bare Results with steps, events and stats, and the memory of the walk; None where there is no file."""
+        if not self.path.exists():
+            return None
+        head, data = read(self.path)
+        try:
+            walk = json.loads(str(data["walk"]))
+            if walk["fingerprint"] != self.fingerprint:
+                raise AnalysisError(
+                    f"{self.path} is the checkpoint of another model or analysis: give the run a file of its own, or "
+                    "resume=False to replace it"
+                )
+            results = Results.__new__(Results)
+            results.steps, results.events = unpack_path(head, data)
+            results.stats = head["stats"]
+            memory = {**walk["memory"], **{name: data[f"walk.{name}"] for name in walk["arrays"]}}
+        except (KeyError, IndexError, TypeError, ValueError) as error:
+            raise AnalysisError(f"{self.path} is no checkpoint, or it is damaged ({error!r})") from None
+        return results, memory
+
+    def note(self, results: Results, memory: dict[str, Any]) -> None:
+        """Remember an accepted step and, where the last writing is long enough ago, write it."""
+        snapshot = copy.copy(results)  # what the next step adds must not get into the file without its memory
+        snapshot.steps, snapshot.events = list(results.steps), list(results.events)
+        snapshot.stats = dict(results.stats)
+        self._pending = snapshot, memory
+        if time.monotonic() >= self._next:
+            self.finish()
+
+    def finish(self) -> None:
+        """Write the last step noted, unless it is written already."""
+        if self._pending is None:
+            return
+        started = time.monotonic()
+        results, memory = self._pending
+        try:
+            arrays = pack(results)
+        except NotImplementedError:  # an effect that does not say how to save itself
+            arrays = pack(results, with_kernels=False)
+        plain: dict[str, Any] = {}
+        named = []
+        for key, value in memory.items():
+            if isinstance(value, np.ndarray):
+                arrays[f"walk.{key}"] = value
+                named.append(key)
+            else:
+                plain[key] = value
+        walk = {"fingerprint": self.fingerprint, "memory": plain, "arrays": named}
+        arrays["walk"] = np.array(json.dumps(walk))
+        write(self.path, arrays, compressed=False)
+        self._pending = None
+        ended = time.monotonic()
+        self._next = ended + BUSY * (ended - started)
+
+
+def fingerprint(system: System, settings: dict[str, Any]) -> str:
+    """A digest of a lowered model and of the settings of an analysis."""
+    digest = hashlib.sha256()
+    for name in ("rest", "unknown", "leader", "drive", "held"):
+        _add(digest, getattr(system, name), system.model)
+    for kernel in system.kernels:
+        _add(digest, type(kernel).__name__, system.model)
+        _add(digest, vars(kernel), system.model)
+    _add(digest, settings, system.model)
+    return digest.hexdigest()
+
+
+def _add(digest: Any, value: Any, model: Model) -> None:
+    if isinstance(value, np.ndarray):
+        digest.update(f"{value.dtype.str}{value.shape}".encode())
+        digest.update(np.ascontiguousarray(value).tobytes())
+    elif value is None or isinstance(value, (bool, int, float, str, np.generic)):
+        digest.update(f"{type(value).__name__}:{value!r};".encode())
+    elif isinstance(value, (list, tuple)):
+        digest.update(f"[{len(value)}".encode())
+        for item in value:
+            _add(digest, item, model)
+    elif isinstance(value, dict):
+        for key in sorted(value, key=str):
+            digest.update(f"{key}=".encode())
+            _add(digest, value[key], model)
+    elif isinstance(value, Node):
+        digest.update(f"node {model.index(value)[0]};".encode())
+    elif isinstance(value, Step):
+        _add(digest, [value.lam, value.u, list(value.history), value.stage], model)
+    else:
+        digest.update(f"{type(value).__name__};".encode())

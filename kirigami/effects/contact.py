@@ -1,0 +1,463 @@
+"""Contact of nodes with a rigid plane, cylinder or sphere: frictionless, one-sided, smooth.
+
+A surface has a signed distance with closed derivatives. With y = x - p for the plane (point p, unit normal n) and the
+part of x - p across the axis (cylinder) or all of it (sphere), and r = |y|,
+
+    plane     g = n.y       grad g = n        grad grad g = 0
+    round     g = r - R     grad g = y / r    grad grad g = (P - grad g grad g') / r,    P: projector across the axis
+
+less an offset, such as half the thickness of a sheet, of which the nodes are the middle surface. A node starts to feel
+the surface at the distance s and is pushed off with the force, per depth d = s - g,
+
+    N = 0 for d <= 0,   k d^2 / (2 w) for d <= w,   k (d - w / 2) beyond,
+
+so that force and stiffness are continuous and the energy is twice differentiable. The distance s is the width w of the
+layer above the surface, or the distance the node has at rest if that is less: the rest state bears no force. A node
+that carries N is then at most
+
+    penetration <= max(0, N / k + w / 2 - s)
+
+inside the surface: not at all up to N = k w / 2 if it starts clear of the layer. Nodes touch, facets do not: between
+the nodes the chords of a mesh with edges L cut into a convex surface by up to L^2 / (8 R).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, ClassVar
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from kirigami.constraints import listed
+from kirigami.elements.bar import Bar
+from kirigami.errors import ModelError
+from kirigami.kernel import Array, Configuration, Contribution, Kernel
+from kirigami.model import ModelObject, Node, Numbering, require_finite, require_positive
+
+if TYPE_CHECKING:
+    from kirigami.results import Results
+
+STIFFER = 100.0  # default stiffness over that of the stiffest bar at the node
+LAYER = 1e-3  # default layer over the median length of the bars at the nodes
+TOUCHING = 1e-9  # of the size of the model: distance at rest that counts as zero
+
+
+def _vector(value: ArrayLike, name: str, owner: str) -> tuple[float, float, float]:
+    vector = np.asarray(value, dtype=float)
+    if vector.shape not in ((2,), (3,)) or not np.isfinite(vector).all():
+        raise ModelError(f"{owner}: {name} must be two or three finite numbers, got {value!r}")
+    x, y, z = np.append(vector, 0.0)[:3].tolist()
+    return x, y, z
+
+
+def _direction(value: ArrayLike, name: str, owner: str) -> tuple[float, float, float]:
+    vector = np.array(_vector(value, name, owner))
+    length = float(np.linalg.norm(vector))
+    if length == 0:
+        raise ModelError(f"{owner}: {name} must not be zero")
+    x, y, z = (vector / length).tolist()
+    return x, y, z
+
+
+@dataclass(frozen=True, init=False)
+class Plane:
+    """A rigid plane; bodies stay on the side of its normal.
+
+    Parameters
+    ----------
+    point : array_like, shape (2,) or (3,)
+        A point of the plane [length].
+    normal : array_like, shape (2,) or (3,)
+        Normal towards the bodies; any length.
+
+    Raises
+    ------
+    ModelError
+        A vector that is not finite, or a normal of no length.
+
+    Examples
+    --------
+    >>> Plane((0, 0, -1), normal=(0, 0, 2))
+    Plane(point=(0.0, 0.0, -1.0), normal=(0.0, 0.0, 1.0))
+    """
+
+    point: tuple[float, float, float]
+    normal: tuple[float, float, float]
+
+    def __init__(self, point: ArrayLike = (0, 0, 0), normal: ArrayLike = (0, 0, 1)) -> None:
+        object.__setattr__(self, "point", _vector(point, "point", "Plane"))
+        object.__setattr__(self, "normal", _direction(normal, "normal", "Plane"))
+
+
+@dataclass(frozen=True, init=False)
+class Cylinder:
+    """A rigid cylinder without ends; bodies stay outside.
+
+    Parameters
+    ----------
+    point : array_like, shape (2,) or (3,)
+        A point of the axis [length].
+    axis : array_like, shape (3,)
+        Direction of the axis; any length. In a model with dim=2 only (0, 0, 1).
+    radius : float
+        Radius [length].
+
+    Raises
+    ------
+    ModelError
+        A vector that is not finite, an axis of no length, a radius that is not positive.
+
+    Examples
+    --------
+    >>> Cylinder((0, 0, -2), axis=(0, 3, 0), radius=2)
+    Cylinder(point=(0.0, 0.0, -2.0), axis=(0.0, 1.0, 0.0), radius=2.0)
+    """
+
+    point: tuple[float, float, float]
+    axis: tuple[float, float, float]
+    radius: float
+
+    def __init__(self, point: ArrayLike, axis: ArrayLike, radius: float) -> None:
+        object.__setattr__(self, "point", _vector(point, "point", "Cylinder"))
+        object.__setattr__(self, "axis", _direction(axis, "axis", "Cylinder"))
+        object.__setattr__(self, "radius", require_positive(radius, "radius", "Cylinder"))
+
+
+@dataclass(frozen=True, init=False)
+class Sphere:
+    """A rigid sphere, in a model with dim=2 a circle; bodies stay outside.
+
+    Parameters
+    ----------
+    center : array_like, shape (2,) or (3,)
+        Centre [length].
+    radius : float
+        Radius [length].
+
+    Raises
+    ------
+    ModelError
+        A centre that is not finite, a radius that is not positive.
+
+    Examples
+    --------
+    >>> Sphere((0, 0, -2), radius=2)
+    Sphere(center=(0.0, 0.0, -2.0), radius=2.0)
+    """
+
+    center: tuple[float, float, float]
+    radius: float
+
+    def __init__(self, center: ArrayLike, radius: float) -> None:
+        object.__setattr__(self, "center", _vector(center, "center", "Sphere"))
+        object.__setattr__(self, "radius", require_positive(radius, "radius", "Sphere"))
+
+
+@dataclass(frozen=True, slots=True, eq=False, init=False)
+class Contact(ModelObject):
+    """Keeps nodes off a rigid surface.
+
+    Parameters
+    ----------
+    nodes : Node or sequence of Node
+        The nodes that may touch.
+    surface : Plane, Cylinder or Sphere
+        The rigid surface.
+    offset : float
+        Distance the nodes keep from the surface, such as half the thickness of a sheet [length].
+    stiffness : float, optional
+        Force per depth at each node [force / length]; None takes a hundred times the stiffest bar at the node.
+    layer : float, optional
+        Thickness of the layer above the surface (and the offset) in which the force sets in [length]; None takes a
+        thousandth of the median length of the bars at the nodes.
+
+    Raises
+    ------
+    ModelError
+        Empty selection, no such surface, a value out of range; when a system is made: a node inside the surface at
+        rest, a surface that does not fit a model with dim=2, a node without a bar if stiffness or layer is left out.
+
+    Examples
+    --------
+    A rod is pushed against a wall that is 0.1 away, and then by 0.01 more:
+
+    >>> import kirigami as kg
+    >>> from kirigami.effects.contact import Contact, Plane, normal_forces, penetration
+    >>> m = kg.Model(dim=2)
+    >>> a, b = m.add(kg.Node(0, 0), kg.Node(1, 0))
+    >>> objects = m.add(kg.Bar(a, b, EA=10.0), kg.Fix([a, b], "y"), kg.Prescribe(a, x=0.11))
+    >>> wall = m.add(Contact(b, Plane((1.1, 0), normal=(-1, 0))))
+    >>> res = kg.DisplacementControl(m).run()
+    >>> [round(float(force), 2) for force in normal_forces(res)[[0, -1], 0]], float(penetration(res).max())
+    ([0.0, 0.1], 0.0)
+    """
+
+    kind: ClassVar[str] = "effect"
+    group: tuple[Node, ...]
+    surface: Plane | Cylinder | Sphere
+    offset: float
+    stiffness: float | None
+    layer: float | None
+
+    def __init__(
+        self,
+        nodes: Node | Iterable[Node],
+        surface: Plane | Cylinder | Sphere,
+        *,
+        offset: float = 0.0,
+        stiffness: float | None = None,
+        layer: float | None = None,
+    ) -> None:
+        put = object.__setattr__
+        put(self, "group", listed(nodes, "Contact"))
+        if not isinstance(surface, (Plane, Cylinder, Sphere)):
+            raise ModelError(f"Contact: the surface must be a Plane, Cylinder or Sphere, got {surface!r}")
+        put(self, "surface", surface)
+        put(self, "offset", require_finite(offset, "offset", "Contact"))
+        if self.offset < 0:
+            raise ModelError(f"Contact: offset must not be negative, got {self.offset}")
+        put(self, "stiffness", None if stiffness is None else require_positive(stiffness, "stiffness", "Contact"))
+        put(self, "layer", None if layer is None else require_positive(layer, "layer", "Contact"))
+
+    @property
+    def nodes(self) -> tuple[Node, ...]:
+        return self.group
+
+    @classmethod
+    def lower(cls, objects: Sequence[Contact], numbering: Numbering) -> list[Kernel]:
+        counts = [len(item.group) for item in objects]
+        members = np.repeat(np.arange(len(objects)), counts)
+        conn = numbering.index(node for item in objects for node in item.group)[:, None]
+        point, normal, projector, radius = (
+            np.array(values)[members] for values in zip(*(_shape(item.surface, numbering.dim) for item in objects))
+        )
+        offset = np.array([item.offset for item in objects])[members]
+        stiffness, layer = _scales(objects, conn[:, 0], members, numbering)
+        kernel = ContactKernel(
+            numbering.rest, conn, point, normal, projector, radius + offset, stiffness, layer, members
+        )
+        gap = kernel.deformation(numbering.rest)
+        inside = np.flatnonzero(gap < -TOUCHING * numbering.size)
+        if inside.size:
+            worst = int(inside[np.argmin(gap[inside])])
+            node = numbering.model.nodes[int(conn[worst, 0])]
+            raise ModelError(
+                f"{inside.size} node(s) of Contact lie inside the surface at rest, the deepest "
+                f"{numbering.describe(node)} by {-gap[worst]:.6g} below {objects[int(members[worst])].surface} and its "
+                "offset: move the surface away"
+            )
+        return [kernel]
+
+    def __repr__(self) -> str:
+        return f"Contact({len(self.group)} nodes, {self.surface})"
+
+
+def _shape(surface: Plane | Cylinder | Sphere, dim: int) -> tuple[Array, Array, Array, float]:
+    """Point (dim,), normal (dim,) or zeros, projector on what counts for the distance (dim, dim), radius."""
+    axis = np.zeros(3)
+    normal, radius = np.zeros(3), 0.0
+    if isinstance(surface, Plane):
+        normal = np.array(surface.normal)
+    else:
+        radius = surface.radius
+        axis = np.array(surface.axis) if isinstance(surface, Cylinder) else axis
+    if dim == 2 and (normal[2] != 0 or np.any(axis[:2])):
+        raise ModelError(f"Contact: {surface} is no line or circle in the plane of a model with dim=2")
+    point = np.array(surface.center if isinstance(surface, Sphere) else surface.point)
+    projector = np.zeros((3, 3)) if isinstance(surface, Plane) else np.eye(3) - np.outer(axis, axis)
+    return point[:dim], normal[:dim], projector[:dim, :dim], radius
+
+
+def _scales(
+    objects: Sequence[Contact], nodes: NDArray[np.int64], members: NDArray[np.int64], numbering: Numbering
+) -> tuple[Array, Array]:
+    """Stiffness and layer of each member (n,), those that are left out from the bars at the nodes."""
+    stiffness = np.array([np.nan if item.stiffness is None else item.stiffness for item in objects])[members]
+    layer = np.array([np.nan if item.layer is None else item.layer for item in objects])[members]
+    if not (np.isnan(stiffness).any() or np.isnan(layer).any()):
+        return stiffness, layer
+    bars = [item for item in numbering.model.elements if isinstance(item, Bar)]
+    ends = numbering.connectivity(bars)
+    length = np.linalg.norm(numbering.rest[ends[:, 1]] - numbering.rest[ends[:, 0]], axis=1)
+    stiffest = np.zeros(len(numbering.rest))
+    with np.errstate(divide="ignore"):
+        for end in ends.T:
+            np.maximum.at(stiffest, end, np.array([bar.EA for bar in bars]) / length)
+    stiffness = np.where(np.isnan(stiffness), STIFFER * stiffest[nodes], stiffness)
+    bare = np.flatnonzero(stiffness == 0)
+    if bare.size:
+        node = numbering.model.nodes[int(nodes[bare[0]])]
+        raise ModelError(f"Contact: {numbering.describe(node)} has no bar to take a stiffness from: give stiffness=")
+    for number in np.unique(members[np.isnan(layer)]):
+        own = members == number
+        at_nodes = np.isin(ends, nodes[own]).any(axis=1)
+        if not at_nodes.any():
+            raise ModelError(f"{objects[int(number)]!r}: the nodes have no bars to take a layer from: give layer=")
+        layer[own] = LAYER * float(np.median(length[at_nodes]))
+    return stiffness, layer
+
+
+class ContactKernel(Kernel):
+    """All contacts of nodes with rigid surfaces; see the module's text for the law. One node per member.
+
+    A member with a normal other than zero faces a plane; its ``radius`` then holds the offset alone.
+    """
+
+    name = "contact"
+
+    def __init__(
+        self,
+        rest: Array,
+        conn: NDArray[np.int64],
+        point: Array,
+        normal: Array,
+        projector: Array,
+        radius: Array,
+        stiffness: Array,
+        layer: Array,
+        members: NDArray[np.int64] | None = None,
+    ) -> None:
+        self.rest, self.conn, self.members = rest, conn, members
+        self.point, self.normal, self.projector, self.radius = point, normal, projector, radius
+        self.stiffness, self.layer = stiffness, layer
+        self._flat = normal.any(axis=1)
+        at_rest = self._distance(rest)[0]
+        self.start = np.clip(at_rest, 0.0, layer)  # distance at which the force sets in
+
+    def arrays(self) -> dict[str, Any]:
+        names = ("conn", "point", "normal", "projector", "radius", "stiffness", "layer", "members")
+        return {name: getattr(self, name) for name in names}
+
+    def _distance(self, x: Array) -> tuple[Array, Array, Array]:
+        """Distance (n,), its gradient (n, dim), and 1 / r (n,), which is zero for planes."""
+        y = np.asarray(x)[self.conn[:, 0]] - self.point
+        height = np.einsum("na,na->n", self.normal, y)
+        across = np.einsum("nab,nb->na", self.projector, y)
+        r: Array = np.sqrt(np.einsum("na,na->n", across, across))
+        inverse: Array = np.divide(1.0, r, out=np.zeros_like(r), where=r > 0)
+        direction = np.where(self._flat[:, None], self.normal, across * inverse[:, None])
+        return np.where(self._flat, height, r) - self.radius, direction, inverse
+
+    def _law(self, gap: Array) -> tuple[Array, Array, Array]:
+        """Energy, normal force and stiffness (n,) at distances (n,)."""
+        depth = np.maximum(self.start - gap, 0.0)
+        k, w = self.stiffness, self.layer
+        onset = np.minimum(depth, w)  # the part of the depth over which the force sets in
+        past = depth - onset
+        return k * (onset**3 / (6 * w) + past * (past + w) / 2), k * (onset**2 / (2 * w) + past), k * onset / w
+
+    def deformation(self, x: Array) -> Array:
+        """Distance of each node from its surface (n,) [length], negative inside."""
+        return self._distance(x)[0]
+
+    def deformation_rate(self, x: Array, change: Array) -> Array:
+        """First-order change of the distance (n,) for a displacement change (n_nodes, dim)."""
+        rate: Array = np.einsum("na,na->n", self._distance(x)[1], change[self.conn[:, 0]])
+        return rate
+
+    def force(self, gap: Array) -> Array:
+        """Force that pushes each node off its surface (n,)."""
+        return self._law(gap)[1]
+
+    def evaluate(self, x: Array, lam: float = 1.0, need: int = 2) -> Contribution:
+        gap, direction, inverse = self._distance(x)
+        energy, force, tangent = self._law(gap)
+        if need == 0:
+            return Contribution(energy)
+        gradient = -force[:, None] * direction
+        if need == 1:
+            return Contribution(energy, gradient[:, None])
+        outer = direction[:, :, None] * direction[:, None, :]
+        # The force turns with the node round a curved surface, which makes a pressed node unstable sideways.
+        turning = (1 - self.convexity) * force * inverse
+        hessian = tangent[:, None, None] * outer - turning[:, None, None] * (self.projector - outer)
+        return Contribution(energy, gradient[:, None], hessian[:, None, None])
+
+
+# ---- what came of it
+
+
+def gaps(results: Results, contact: Contact | None = None) -> Array:
+    """Distance of the nodes from their surfaces at each step, less the offset; negative inside.
+
+    Parameters
+    ----------
+    results : Results
+        Of a model with contacts.
+    contact : Contact, optional
+        One of them; None takes all, in the order added and node by node.
+
+    Returns
+    -------
+    ndarray, shape (s, nodes)
+        Distance [length].
+
+    Raises
+    ------
+    ModelError
+        The model has no contact, or not this one.
+    """
+    return _over_steps(results, contact, lambda kernel, x: kernel.deformation(x))
+
+
+def normal_forces(results: Results, contact: Contact | None = None) -> Array:
+    """Force that pushes each node off its surface, along the normal of the surface there.
+
+    Parameters
+    ----------
+    results : Results
+        Of a model with contacts.
+    contact : Contact, optional
+        One of them; None takes all, in the order added and node by node.
+
+    Returns
+    -------
+    ndarray, shape (s, nodes)
+        Force, never negative [force].
+
+    Raises
+    ------
+    ModelError
+        The model has no contact, or not this one.
+    """
+    return _over_steps(results, contact, lambda kernel, x: kernel.force(kernel.deformation(x)))
+
+
+def penetration(results: Results, contact: Contact | None = None) -> Array:
+    """Depth of the deepest node inside its surface at each step (s,) [length]; zero where none is inside.
+
+    Parameters
+    ----------
+    results : Results
+        Of a model with contacts.
+    contact : Contact, optional
+        One of them; None takes all.
+
+    Raises
+    ------
+    ModelError
+        The model has no contact, or not this one.
+    """
+    depth: Array = np.maximum(-gaps(results, contact), 0.0).max(axis=1)
+    return depth
+
+
+def _over_steps(results: Results, contact: Contact | None, quantity: Any) -> Array:
+    kernel = next((kernel for kernel in results.kernels if isinstance(kernel, ContactKernel)), None)
+    if kernel is None:
+        raise ModelError("these results have no Contact: add one to the model")
+    chosen: Any = slice(None)
+    if contact is not None:
+        if results.model is None:
+            raise ModelError("these results were loaded from a file: leave `contact` out to get all of them")
+        present = [item for item in results.model.effects if isinstance(item, Contact)]
+        number = next((k for k, item in enumerate(present) if item is contact), None)
+        if number is None:
+            raise ModelError(f"{contact!r} is not in the model of these results")
+        assert kernel.members is not None
+        chosen = np.flatnonzero(kernel.members == number)
+    dim = results.dim
+    positions = (Configuration(results.rest[:, :dim], step.u[:, :dim]) for step in results.steps)
+    return np.array([quantity(kernel, x)[chosen] for x in positions])

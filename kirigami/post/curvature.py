@@ -1,0 +1,167 @@
+"""Curvature of a bent sheet from the angles of its hinges.
+
+A sheet that is bent without much stretch has the curvature tensor K, second derivatives of its height in its own
+plane. Where the height is a quadratic, the angle at an edge between two facets is linear in K,
+
+    theta = K : R,    R = -(1/2) sum over the facets' nodes of c_p x_p x_p' ,
+
+with c_p the rate of the angle with the height of node p (wings, and the two ends of the edge). Around each node the
+K is sought that meets the angles of all edges there in the least squares, each weighted with the area of its two
+facets over the squared size of R, and the sums of the three nodes give the K of a facet. This is exact for
+quadratic heights on any mesh, and does not look across cuts.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from kirigami.errors import ModelError
+from kirigami.post.shape import checked_positions
+
+if TYPE_CHECKING:
+    from kirigami.geometry.mesh import TriMesh
+
+Floats = NDArray[np.float64]
+
+KINDS = ("mean", "gaussian", "principal", "tensor")
+FLAT = 1e-9  # largest height of a flat drawing, over its size
+UNSEEN = 1e-6  # a combination of curvatures that the angles determine less well than this is taken as zero
+
+
+def curvature(positions: ArrayLike, mesh: TriMesh, kind: str = "mean", per: str = "facet") -> Floats:
+    """Curvature of a sheet that is flat in its drawing.
+
+    Parameters
+    ----------
+    positions : array_like, shape (s, n, 3) or (n, 3)
+        Node positions at each of s steps [length].
+    mesh : TriMesh
+        The sheet as drawn.
+    kind : {"mean", "gaussian", "principal", "tensor"}
+        Half the sum of the principal curvatures [1 / length]; their product [1 / length^2]; both, the algebraically
+        larger first [1 / length]; or the tensor with axes x and y of the drawing [1 / length].
+    per : {"facet", "node"}
+        Where: at the facets, or at the nodes as means of the facets around, weighted with their areas.
+
+    Returns
+    -------
+    ndarray, shape (s, m) for "mean" and "gaussian", (s, m, 2) for "principal", (s, m, 2, 2) for "tensor"
+        Curvature at each of m facets or nodes, counted from the flat sheet (an imperfection is part of it); positive
+        where the sheet is hollow from above. Without the first axis if `positions` has no step axis.
+
+    Raises
+    ------
+    ModelError
+        Positions of the wrong shape or not finite, an unknown kind or place, or a mesh that is not flat.
+
+    Notes
+    -----
+    Least squares of the hinge angles over the edges at the three nodes of a facet; see the text of the module. Where a
+    piece of sheet is so narrow that its angles leave a part of the curvature open, the smallest one is taken.
+
+    Examples
+    --------
+    >>> import kirigami as kg
+    >>> mesh = kg.Sheet([(-1, -1), (1, -1), (1, 1), (-1, 1)]).mesh(0.2)
+    >>> x, y, _ = mesh.nodes.T
+    >>> bent = np.column_stack([x, y, 1e-4 * x * y])
+    >>> principal = curvature(bent, mesh, "principal")
+    >>> bool(np.allclose(principal, (1e-4, -1e-4), rtol=1e-6))
+    True
+    """
+    points = checked_positions(positions, "curvature", len(mesh.nodes))
+    if kind not in KINDS or per not in ("facet", "node"):
+        raise ModelError(f"curvature: kind must be one of {', '.join(KINDS)}, per 'facet' or 'node'; got {kind!r}, {per!r}")
+    if np.ptp(mesh.nodes[:, 2]) > FLAT * mesh.size:
+        raise ModelError("curvature: the drawing must be flat and level, but the nodes of the mesh differ in z")
+    components = _Fit(mesh).components(points)
+    if per == "node":
+        components = _nodal(components, mesh)
+    kxx, kyy, kxy = np.moveaxis(components, -1, 0)
+    mean = 0.5 * (kxx + kyy)
+    if kind == "mean":
+        return mean
+    if kind == "gaussian":
+        gaussian: Floats = kxx * kyy - kxy**2
+        return gaussian
+    if kind == "tensor":
+        return np.stack([np.stack([kxx, kxy], axis=-1), np.stack([kxy, kyy], axis=-1)], axis=-2)
+    radius = np.hypot(0.5 * (kxx - kyy), kxy)
+    return np.stack([mean + radius, mean - radius], axis=-1)
+
+
+class _Fit:
+    """Least-squares curvature of facets from hinge angles."""
+
+    def __init__(self, mesh: TriMesh) -> None:
+        inner = np.flatnonzero(mesh.edge_facets[:, 1] >= 0)
+        self.triangles = mesh.triangles
+        self.quads = np.column_stack([mesh.edge_wings[inner, 0], mesh.edges[inner], mesh.edge_wings[inner, 1]])
+        flat = mesh.nodes[:, :2]
+        rate = self._rates(flat[self.quads])
+        relative = flat[self.quads] - flat[self.quads].mean(axis=1, keepdims=True)
+        x, y = np.moveaxis(relative, -1, 0)
+        # angle of the height (kxx x^2 + kyy y^2)/2 + kxy x y, whose linear part does not bend an edge
+        rows = np.stack([0.5 * (rate * x * x).sum(1), 0.5 * (rate * y * y).sum(1), (rate * x * y).sum(1)], axis=1)
+        size = np.linalg.norm(rows, axis=1)
+        weight = mesh.facet_areas[mesh.edge_facets[inner]].sum(axis=1) / size**2
+        self.weighted = rows * weight[:, None]
+        self.inverse = np.linalg.pinv(
+            self._gather(self.weighted[:, :, None] * rows[:, None, :]), rcond=UNSEEN, hermitian=True
+        )
+
+    def components(self, points: Floats) -> Floats:
+        """Curvature (..., facets, 3): kxx, kyy, kxy."""
+        steps = points.reshape(-1, *points.shape[-2:])
+        found = np.empty((len(steps), len(self.triangles), 3))
+        for row, step in zip(found, steps):
+            angle = _angles(step[self.quads])
+            row[:] = np.einsum("fij,fj->fi", self.inverse, self._gather(self.weighted * angle[:, None]))
+        return found.reshape(*points.shape[:-2], *found.shape[1:])
+
+    def _gather(self, per_edge: Floats) -> Floats:
+        """Sums over the edges that meet each node of a facet, wings not counted, and over its three nodes."""
+        at_nodes = np.zeros((self.triangles.max() + 1, *per_edge.shape[1:]))
+        for corner in (1, 2):
+            np.add.at(at_nodes, self.quads[:, corner], per_edge)
+        total: Floats = at_nodes[self.triangles].sum(axis=1)
+        return total
+
+    @staticmethod
+    def _rates(corners: Floats) -> Floats:
+        """Rate of the angle with the heights (e, 4) of wing, edge nodes and wing, in the flat sheet."""
+        edge = corners[:, 2] - corners[:, 1]
+        length = np.linalg.norm(edge, axis=1)
+        rate = np.zeros((len(corners), 4))
+        for wing in (0, 3):
+            arm = corners[:, wing] - corners[:, 1]
+            off = np.abs(edge[:, 0] * arm[:, 1] - edge[:, 1] * arm[:, 0]) / length
+            foot = (edge * arm).sum(axis=1) / length**2
+            rate[:, wing] = 1 / off
+            rate[:, 1] -= (1 - foot) / off
+            rate[:, 2] -= foot / off
+        return rate
+
+
+def _angles(corners: Floats) -> Floats:
+    """Angle (e,) between the facets at edges with corners (e, 4, 3), positive where they are hollow from above."""
+    edge, first, second = (corners[:, c] - corners[:, 1] for c in (2, 0, 3))
+    m, n = np.cross(edge, first), np.cross(second, edge)
+    angle: Floats = np.arctan2(np.linalg.norm(edge, axis=1) * (m * second).sum(axis=1), (m * n).sum(axis=1))
+    return angle
+
+
+def _nodal(facets: Floats, mesh: TriMesh) -> Floats:
+    """Means (..., nodes, 3) of values at facets (..., facets, 3), weighted with area."""
+    area = np.repeat(mesh.facet_areas, 3)
+    nodes = mesh.triangles.ravel()
+    share = np.bincount(nodes, weights=area)
+    steps = facets.reshape(-1, *facets.shape[-2:])
+    means = np.empty((len(steps), len(share), 3))
+    for row, step in zip(means, steps):
+        for component in range(3):
+            row[:, component] = np.bincount(nodes, weights=area * np.repeat(step[:, component], 3)) / share
+    return means.reshape(*facets.shape[:-2], *means.shape[1:])

@@ -1,0 +1,8 @@
+"""The structured meshes of the tests of mechanics serve here too."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).parent.parent / "mechanics"))
