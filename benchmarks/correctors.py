@@ -11,13 +11,12 @@ from __future__ import annotations
 import argparse
 import csv
 import time
+import warnings
 from collections.abc import Callable
-from dataclasses import asdict, dataclass, fields
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-import shapely
 from shapely import LineString, Point, box
 
 import kirigami as kg
@@ -64,12 +63,14 @@ SHEETS: dict[str, tuple[Callable[[], tuple[Any, Any]], float, float | None]] = {
     "ring": (_ring, 0.018, None),
 }
 TUNING = ("one slit", "staggered", "disc", "random")  # correctors were tuned on these; the others are held out
-IMPERFECTIONS = (0.0, 1e-6, 1e-3)  # amplitude of the first eigenmode over the thickness
-CORRECTORS: dict[str, dict[str, Any]] = {"newton": {}}
+IMPERFECTIONS = (1e-3, 1e-6, 0.0)  # amplitude of the first eigenmode over the thickness
+CORRECTORS = ("descent", "newton", "viscous")
+THIN = [(name, thickness) for name in ("one slit", "staggered") for thickness in (1e-2, 1e-4)]  # second part
+TABLE = Path(__file__).parent / "results" / "correctors.csv"
 
 
 def sheet_model(name: str, thickness: float, imperfection: float, strain: float) -> kg.Model:
-    """The sheet, held at the bottom and pulled at the top; grip displacement over the distance of the grips is `strain`."""
+    """The sheet, held at the bottom and pulled at the top by `strain` times the distance of the grips."""
     geometry, edge, cut_edge = SHEETS[name]
     outline, cuts = geometry()
     mesh = kg.Sheet(outline, cuts).mesh(edge, cut_edge=cut_edge)
@@ -89,38 +90,144 @@ def sheet_model(name: str, thickness: float, imperfection: float, strain: float)
     return m
 
 
-class OutOfBudget(Exception):
-    """More factorisations or seconds than allowed."""
+class EnoughError(Exception):
+    """The run ends here: out of budget, or locked."""
 
 
-class Locked(Exception):
-    """Stretching stores more energy than bending again."""
+class Watched(kg.DisplacementControl):
+    """Displacement control that ends at a limit of cost, or once the sheet stretches more than it bends again."""
 
-
-class Counted(kg.DisplacementControl):
-    """Displacement control that stops at a limit of factorisations or seconds."""
-
-    allowed, seconds, began = FACTORIZATIONS, SECONDS, 0.0
+    bent = False
 
     def _factorize(self, system: Any, results: Any, matrix: Any) -> Any:
-        if results.stats["factorizations"] >= self.allowed or time.perf_counter() - self.began > self.seconds:
-            raise OutOfBudget
+        if results.stats["factorizations"] >= FACTORIZATIONS or time.process_time() - self.began > SECONDS:
+            raise EnoughError("limit")
         return super()._factorize(system, results, matrix)
 
+    def watch(self, step: kg.Step) -> None:
+        """Recorder: stretching takes more than half of the energy, after bending had taken more."""
+        energy = self.system.energies(step.u)
+        share = energy["bars"] / sum(energy.values()) if step.lam > 0 else 1.0
+        if share < 0.5:
+            self.bent = True
+        elif self.bent:
+            raise EnoughError("lock")
 
-def lock() -> Callable[[kg.Step], None]:
-    """A recorder that ends the run once more than half of the energy is in stretching, after bending had more."""
-    state = {"bent": False}
+    def walk(self) -> str:
+        """How the run ended."""
+        self.began = time.process_time()
+        try:
+            with warnings.catch_warnings():
+                warnings.simplefilter("ignore", kg.KirigamiWarning)
+                self.run(recorders=[self.watch])
+        except EnoughError as end:
+            return str(end)
+        except kg.ConvergenceError:
+            return "failed"
+        return "full strain"
 
-    def watch(analysis: Counted) -> Callable[[kg.Step], None]:
-        def record(step: kg.Step) -> None:
-            energy = analysis.system.energies(step.u)
-            share = energy["bars"] / max(sum(energy.values()), 1e-300)
-            if share < 0.5:
-                state["bent"] = True
-            elif state["bent"]:
-                raise Locked
 
-        return record
+def carry(
+    sheet: str, corrector: str, imperfection: float, thickness: float = 1e-3, strain: float = 0.2
+) -> dict[str, str]:
+    """Stretch one sheet with one corrector: a row of the table."""
+    m = sheet_model(sheet, thickness, imperfection, strain)
+    analysis = Watched(m, corrector=corrector)
+    end = analysis.walk()
+    seconds = time.process_time() - analysis.began
+    res = analysis.results
+    assert res is not None
+    last = res[-1]
+    assert res.residual.max() <= analysis.tol
+    return {
+        "sheet": sheet,
+        "thickness": f"{thickness:g}",
+        "imperfection": f"{imperfection:g}",
+        "corrector": corrector,
+        "nodes": str(len(m.nodes)),
+        "factorizations": str(res.stats["factorizations"]),
+        "cpu_seconds": f"{seconds:.1f}",
+        "end": end,
+        "strain": f"{last.lam * strain:.4f}",
+        "steps": str(len(res)),
+        "unstable": str(int((~res.stable).sum())),
+        "energy": f"{sum(analysis.system.energies(last.u).values()):.5e}",
+        "force": f"{float(res.reaction(m.constraints[-1].group, 'y')[-1]):.5e}",
+    }
 
-    return watch
+
+KEY = ("sheet", "thickness", "imperfection", "corrector")
+
+
+def read_table() -> list[dict[str, str]]:
+    """Rows done so far."""
+    if not TABLE.exists():
+        return []
+    with TABLE.open(newline="") as file:
+        return list(csv.DictReader(file))
+
+
+def add_row(row: dict[str, str]) -> None:
+    """Append a row; the file is the memory of what is done."""
+    new = not TABLE.exists()
+    TABLE.parent.mkdir(exist_ok=True)
+    with TABLE.open("a", newline="") as file:
+        writer = csv.DictWriter(file, list(row))
+        if new:
+            writer.writeheader()
+        writer.writerow(row)
+
+
+def markdown(rows: list[dict[str, str]]) -> str:
+    """The table of what is done, a line for each sheet, thickness and imperfection; then medians and worst cases."""
+    found = [name for name in CORRECTORS if any(row["corrector"] == name for row in rows)]
+    lines = ["| sheet | t | imperfection / t | " + " | ".join(found) + " |", "|---" * (3 + len(found)) + "|"]
+    cases = {tuple(row[name] for name in KEY[:3]): {} for row in rows}  # type: ignore[var-annotated]
+    for row in rows:
+        cases[tuple(row[name] for name in KEY[:3])][row["corrector"]] = row
+    order = list(SHEETS)
+    for case in sorted(cases, key=lambda c: (-float(c[1]), order.index(c[0]), -float(c[2]))):
+        cells = []
+        for name in found:
+            row = cases[case].get(name)
+            cells.append("" if row is None else f"{row['factorizations']}, {row['end']} at {row['strain']}")
+        mark = " (tuning)" if case[0] in TUNING else ""
+        lines.append(f"| {case[0]}{mark} | {case[1]} | {case[2]} | " + " | ".join(cells) + " |")
+    for name in found:
+        own = [row for row in rows if row["corrector"] == name and row["thickness"] == "0.001"]
+        for group, sheets in (("tuning", TUNING), ("held out", tuple(set(SHEETS) - set(TUNING)))):
+            counts = [int(row["factorizations"]) for row in own if row["sheet"] in sheets]
+            good = sum(row["end"] in ("lock", "full strain") for row in own if row["sheet"] in sheets)
+            if counts:
+                lines.append(
+                    f"\n{name}, {group}: success {good} of {len(counts)}, "
+                    f"factorisations median {np.median(counts):.0f}, worst {max(counts)}"
+                )
+    return "\n".join(lines)
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--sheet", nargs="+", choices=list(SHEETS), default=list(SHEETS))
+    parser.add_argument("--corrector", nargs="+", choices=CORRECTORS, default=CORRECTORS)
+    parser.add_argument("--imperfection", nargs="+", type=float, default=IMPERFECTIONS)
+    parser.add_argument("--thin", action="store_true", help="second part: other thicknesses, to 40 %% strain")
+    parser.add_argument("--table", action="store_true", help="print what is done, run nothing")
+    wanted = parser.parse_args()
+    if not wanted.table:
+        done = {tuple(row[name] for name in KEY) for row in read_table()}
+        if wanted.thin:
+            cases = [(name, t, 1e-3, 0.4) for name, t in THIN if name in wanted.sheet]
+        else:
+            cases = [(name, 1e-3, size, STRAIN) for size in wanted.imperfection for name in wanted.sheet]
+        for corrector in wanted.corrector:
+            for sheet, thickness, imperfection, strain in cases:
+                if (sheet, f"{thickness:g}", f"{imperfection:g}", corrector) not in done:
+                    row = carry(sheet, corrector, imperfection, thickness, strain)
+                    add_row(row)
+                    print(" ".join(row.values()), flush=True)
+    print(markdown(read_table()))
+
+
+if __name__ == "__main__":
+    main()

@@ -55,14 +55,14 @@ COLUMNS = (
 # ------------------------------------------------------------------------------------------------------- drawings
 
 
-def drawing(seed: int) -> tuple[shapely.Polygon, list[Any], np.random.Generator]:
-    """Outline and cuts of a seed, and the generator to go on with."""
+def drawing(seed: int, small: bool = False) -> tuple[shapely.Polygon, list[Any], np.random.Generator]:
+    """Outline and cuts of a seed, only the first five for a small sheet, and the generator to go on with."""
     random = np.random.default_rng(seed)
     height = float(random.uniform(0.7, 1.5))
     outline = shapely.box(0.0, 0.0, 1.0, height)
     kind = KINDS[seed % len(KINDS)]
     if kind == "wild":
-        return outline, _wild_cuts(random, outline), random
+        return outline, _wild_cuts(random, outline)[: 5 if small else None], random
     cuts: list[Any] = []
     if kind == "slits and openings":
         for _ in range(int(random.integers(1, 5))):
@@ -82,7 +82,8 @@ def drawing(seed: int) -> tuple[shapely.Polygon, list[Any], np.random.Generator]
         except kg.GeometryError:
             count = max(1, count // 2)
             longest = max(0.8 * longest, 0.1)
-    return outline, cuts + [slit for slit in slits if all(slit.distance(cut) > gap for cut in cuts)], random
+    cuts += [slit for slit in slits if all(slit.distance(cut) > gap for cut in cuts)]
+    return outline, cuts[: 5 if small else None], random
 
 
 def _opening(random: np.random.Generator, outline: shapely.Polygon) -> Any:
@@ -139,7 +140,7 @@ def mesh_of(outline: shapely.Polygon, cuts: list[Any], fewest: int, most: int, t
 
 def stretch(seed: int, small: bool) -> dict[str, Any]:
     """Mesh and stretch the sheet of a seed; a row of the table."""
-    outline, cuts, random = drawing(seed)
+    outline, cuts, random = drawing(seed, small)
     clamped = bool(seed // len(KINDS) % 2)
     row: dict[str, Any] = {
         "seed": seed, "kind": KINDS[seed % len(KINDS)], "clamped": clamped, "cuts": len(cuts),
@@ -147,7 +148,7 @@ def stretch(seed: int, small: bool) -> dict[str, Any]:
     }  # fmt: skip
     began = time.process_time()
     try:
-        fewest, most = (60, 220) if small else (300, 1500)
+        fewest, most = (50, 150) if small else (300, 1500)
         mesh = mesh_of(outline, cuts, fewest, most, np.exp(random.uniform(np.log(1.2 * fewest), np.log(0.8 * most))))
         row.update(nodes=len(mesh.nodes), min_angle=round(mesh.min_angle, 2))
         m = kg.Model.from_mesh(mesh)
@@ -357,7 +358,7 @@ class Worker:
             outcome = "hang" if timed_out else "crash"
             row = {"outcome": outcome, "seconds": limit, "message": f"exit {code}: {process.stderr.read()[-300:]}"}
         if "parts" not in row:
-            outline, cuts, _ = drawing(seed)
+            outline, cuts, _ = drawing(seed, small)
             row.update(seed=seed, kind=KINDS[seed % len(KINDS)], cuts=len(cuts), parts=parts_of(outline, cuts))
         return row
 
@@ -433,7 +434,7 @@ def main() -> int:
     parser.add_argument("--workers", type=int, default=2, help="processes at a time")
     parser.add_argument("--limit", type=float, default=300.0, help="seconds of processor time allowed for one sheet")
     parser.add_argument("--seconds", type=float, default=np.inf, help="begin no sheet after this time")
-    parser.add_argument("--small", action="store_true", help="60 to 220 nodes where the cuts allow it, not 300 to 1,500")
+    parser.add_argument("--small", action="store_true", help="at most five cuts, and 50 to 150 nodes where they allow")
     parser.add_argument("--work", action="store_true", help=argparse.SUPPRESS)
     arguments = parser.parse_args()
     if arguments.work:

@@ -34,7 +34,7 @@ COLUMNS, ROWS = 4, 20  # cuts across and along; every other row is shifted by ha
 FOLD = np.pi / 2  # a bottom face of 25.5 mm between side faces of 12.75 mm
 STRAIN = 0.05  # of the length between the grips
 LEAN = 0.2  # the tips of the fins stand out by so much at rest, free of stress: it decides which way they pop
-PUSH = 0.5  # on the tip of a fin, each way along the body
+PUSH = 0.5  # on the last third of a fin, each way along the body
 GROUND = 1.0  # of the bottom face over the ground when the body is pressed on it
 BASE_FRICTION, ENGAGEMENT, SURFACE_FACTOR = 0.2, 10.0, 1.0  # mu0, K_f [mm] and S_f
 
@@ -54,13 +54,17 @@ Floats = NDArray[np.float64]
 
 @dataclass
 class Skin:
-    """A folded sheet with its grips, and the fins of its bottom face: nodes of their tips and of the lips opposite."""
+    """A folded sheet with its grips, and the fins of its bottom face: nodes of their tips and of the lips opposite.
+
+    ``pads`` are the nodes of the last third of each of these fins, by which they are pushed.
+    """
 
     model: kg.Model
     left: list[kg.Node]
     right: list[kg.Node]
     tips: NDArray[np.int64]
     lips: NDArray[np.int64]
+    pads: list[NDArray[np.int64]]
     share: float  # of the area of the sheet that is fins
 
     def height(self, res: kg.Results) -> Floats:
@@ -69,10 +73,10 @@ class Skin:
         return (z[:, self.lips] - z[:, self.tips]).mean(axis=1)
 
     @property
-    def middle(self) -> kg.Node:
-        """Tip of the fin nearest to the middle of the body."""
+    def middle(self) -> list[kg.Node]:
+        """Pad of the fin nearest to the middle of the body."""
         x = self.model.positions()[self.tips]
-        return self.model.nodes[self.tips[np.argmin(((x - x.mean(axis=0)) ** 2).sum(axis=1))]]
+        return self.model.select(index=self.pads[np.argmin(((x - x.mean(axis=0)) ** 2).sum(axis=1))])
 
 
 def folded(s: Floats) -> tuple[Floats, Floats]:
@@ -96,6 +100,9 @@ def skin(shape: str, rows: int, max_edge: float, lean: float = LEAN) -> Skin:
     cuts = [shapely.LineString(np.column_stack([x + REACH * along, s + HALF * across])) for x, s, _ in places]
     lines = [shapely.LineString([(0, s), (length, s)]) for s in CREASES]
     lines += [shapely.LineString([(x, 0), (x, WIDTH)]) for x in (GRIP, length - GRIP)]
+    depth = REACH * along.any() - REACH / 3  # of the pads; beside a slit, one lip stands for the fin
+    lines += [shapely.LineString([(x + depth, s - HALF / 3), (x + depth, s + HALF / 3)])
+              for x, s, _ in places if HALF < s < WIDTH - HALF]  # fmt: skip
     sheet = kg.Sheet(outline, [cut.intersection(outline) for cut in cuts], THICKNESS, PET)
     flat = sheet.mesh(max_edge, max_edge, lines=lines)
     x, s, _ = flat.nodes.T
@@ -105,9 +112,9 @@ def skin(shape: str, rows: int, max_edge: float, lean: float = LEAN) -> Skin:
 
     standing = np.zeros(len(x))
     centres = flat.nodes[flat.triangles].mean(axis=1)
-    tips, lips = [], []
+    tips, lips, pads = [], [], []
     for (x0, s0, row), cut in zip(places, cuts):
-        base = x0 if along.any() else x0 - REACH  # beside a slit, one lip stands for the fin
+        base = x0 if along.any() else x0 - REACH
         fin = shapely.Polygon(cut) if along.any() else shapely.box(base, s0 - HALF, x0, s0 + HALF)
         nodes = np.unique(flat.triangles[shapely.contains_xy(fin, *centres.T[:2])])
         standing[nodes] = ((x[nodes] - base) / REACH * (1 - ((s[nodes] - s0) / HALF) ** 2)).clip(0)
@@ -115,12 +122,14 @@ def skin(shape: str, rows: int, max_edge: float, lean: float = LEAN) -> Skin:
             tips.append(nodes[np.argmax(standing[nodes])])
             twins = np.flatnonzero((x == x[tips[-1]]) & (s == s[tips[-1]]))
             lips.append(twins[twins != tips[-1]][0])
+            end = (x[nodes] > x0 + depth - 1e-9) & (np.abs(s[nodes] - s0) < HALF / 3 + 1e-9)
+            pads.append(nodes[end])
     if lean:
         model.perturb(lean * standing[:, None] * np.column_stack([0 * x, outwards]))
     left, right = model.select(index=np.flatnonzero(x <= GRIP)), model.select(index=np.flatnonzero(x >= length - GRIP))
     model.add(kg.Fix(right), kg.Fix(left, "yz"), kg.Prescribe(left, x=-STRAIN * rows * SPACING))
     fin_area = shapely.Polygon(cuts[0]).area if along.any() else 0.0
-    return Skin(model, left, right, np.array(tips), np.array(lips), fin_area / (PITCH * SPACING))
+    return Skin(model, left, right, np.array(tips), np.array(lips), pads, fin_area / (PITCH * SPACING))
 
 
 def stretched(body: Skin) -> kg.Results:
@@ -129,18 +138,18 @@ def stretched(body: Skin) -> kg.Results:
 
 
 def pushed(body: Skin, at: kg.Step, push: float = PUSH) -> Floats:
-    """Force on the tip of the middle fin along the body, with the tip (+x) and against it, at tenths of the push.
+    """Force on the middle fin along the body, with its tip (+x) and against it, at tenths of the push; shape (2, 11).
 
-    The body is held as it is at the step `at`; the tip is free to move sideways and out. Shape (2, 11).
+    The body is held as it is at the step `at`; the pad of the fin is free to move sideways and out.
     """
-    m, tip = body.model, body.middle
+    m, pad = body.model, body.middle
     m.hold(at)
     forces = []
     for way in (1, -1):
-        drive = m.add(kg.Prescribe(tip, x=at.u[m.index(tip)[0], 0] + way * push))
+        drive = m.add(kg.Prescribe(pad, x=at.u[m.index(pad), 0] + way * push))
         tenths = np.linspace(0, 1, 11)
         res = kg.DisplacementControl(m, start=at, targets=tenths[1:]).run()
-        forces.append([way * res.reaction(tip, "x")[np.isclose(res.lam, lam, atol=1e-12)][0] for lam in tenths])
+        forces.append([way * res.reaction(pad, "x")[np.isclose(res.lam, lam, atol=1e-12)][0] for lam in tenths])
         m.remove(drive)
     return np.array(forces)
 
@@ -154,7 +163,7 @@ def pressed(shape: str, rows: int, max_edge: float) -> tuple[kg.Results, Floats,
 
 
 def main(
-    pictures: bool = False, rows: int = 5, max_edge: float = 2.5, shapes: tuple[str, ...] = tuple(SHAPES)
+    pictures: bool = False, rows: int = 5, max_edge: float = 3.0, shapes: tuple[str, ...] = tuple(SHAPES)
 ) -> dict[str, dict[str, float]]:
     """For each shape of cut: pop-out height and friction at full strain, forces on a fin at the full push."""
     law = {"base": BASE_FRICTION, "engagement": ENGAGEMENT}

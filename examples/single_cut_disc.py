@@ -62,12 +62,13 @@ class Pulled:
         return values[int(np.argmin(np.abs(self.strain - strain)))]
 
     def crossing(self, slope: float, rising: bool) -> float:
-        """Strain at which the slope in logarithms first falls below a value, or last rises above it."""
+        """Strain at which the slope in logarithms first falls below a value, or rises above it after its least."""
         above = self.slope > slope
         change = np.flatnonzero(above[1:] & ~above[:-1] if rising else ~above[1:] & above[:-1])
+        change = change[change >= np.argmin(self.slope)] if rising else change
         if not len(change):
             return float("nan")
-        k = int(change[-1 if rising else 0])
+        k = int(change[0])
         part = (slope - self.slope[k]) / (self.slope[k + 1] - self.slope[k])
         return float(np.exp((1 - part) * np.log(self.strain[k]) + part * np.log(self.strain[k + 1])))
 

@@ -17,6 +17,9 @@ _HOME = {
     "Bar": "elements.bar",
     "BendHinge": "elements.bend_hinge",
     "TorsionSpring3": "elements.torsion_spring",
+    "Facet": "elements.facet",
+    "CurvedFacet": "elements.curved_facet",
+    "Normal": "normal",
     "Fix": "constraints",
     "Prescribe": "constraints",
     "Tie": "constraints",
@@ -76,6 +79,8 @@ if TYPE_CHECKING:
     from kirigami.effects.angle_limit import AngleLimit as AngleLimit
     from kirigami.elements.bar import Bar as Bar
     from kirigami.elements.bend_hinge import BendHinge as BendHinge
+    from kirigami.elements.curved_facet import CurvedFacet as CurvedFacet
+    from kirigami.elements.facet import Facet as Facet
     from kirigami.elements.torsion_spring import TorsionSpring3 as TorsionSpring3
     from kirigami.errors import AnalysisError as AnalysisError
     from kirigami.errors import ConvergenceError as ConvergenceError
@@ -96,6 +101,7 @@ if TYPE_CHECKING:
     from kirigami.model import Material as Material
     from kirigami.model import Model as Model
     from kirigami.model import Node as Node
+    from kirigami.normal import Normal as Normal
     from kirigami.periodic import PeriodicCell as PeriodicCell
     from kirigami.results import Event as Event
     from kirigami.results import Results as Results

@@ -106,6 +106,7 @@ class Node:
     """
 
     __slots__ = ("_position", "name")
+    base: Node | None = None  # the node whose normal this one is the tip of (see kirigami.normal)
 
     def __init__(self, x: float, y: float, z: float = 0.0, *, name: str | None = None) -> None:
         try:
@@ -209,7 +210,13 @@ class Model(ModelFiles):
         self.sheet_constants: SheetConstants | None = None
         self._nodes: list[Node] = []
         self._index: dict[int, int] = {}
+        self._normals: list[tuple[int, int]] = []  # node and tip of its normal
         self._objects: dict[str, list[Any]] = {"element": [], "constraint": [], "load": [], "effect": []}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        """A copy has nodes of its own, and nodes are known by identity."""
+        self.__dict__.update(state)
+        self._index = {id(node): position for position, node in enumerate(self._nodes)}
 
     # ---- building
 
@@ -275,6 +282,10 @@ class Model(ModelFiles):
                     raise ModelError(f"{item!r} is already in the model")
                 if self.dim == 2 and item.z != 0.0:
                     raise ModelError(f"{item!r} has z = {item.z}, but the model has dim=2: use z = 0 or dim=3")
+                if item.base is not None:
+                    if id(item.base) not in self._index:
+                        raise ModelError(f"{item!r} stands on a node that is not in this model: add the node first")
+                    self._normals.append((self._index[id(item.base)], len(self._nodes)))
                 self._index[id(item)] = len(self._nodes)
                 self._nodes.append(item)
             elif isinstance(item, ModelObject):
@@ -353,7 +364,11 @@ class Model(ModelFiles):
         Node(1, 0, 0.1)
         """
         offset = np.array(shape, dtype=float)  # a Mode turns into its shape
-        n = len(self._nodes)
+        base, tip = self.normals
+        own = np.setdiff1d(np.arange(len(self._nodes)), tip)
+        if len(offset) == len(self._nodes):
+            offset = offset[own]
+        n = len(own)
         if offset.shape == (n,):
             offset = np.stack([np.zeros(n), np.zeros(n), offset], axis=1)
         elif offset.shape == (n, 2):
@@ -369,7 +384,14 @@ class Model(ModelFiles):
             if largest == 0:
                 raise ModelError("perturb: the shape is zero everywhere, so it cannot be scaled to an amplitude")
             offset *= require_finite(amplitude, "amplitude", "perturb") / largest
-        for node, position in zip(self._nodes, (self.positions() + offset).tolist()):
+        positions = self.positions()
+        moved = positions.copy()
+        moved[own] += offset
+        if len(tip):
+            from kirigami.normal import moved_tips
+
+            moved[tip] = moved_tips(self, positions, moved)
+        for node, position in zip(self._nodes, moved.tolist()):
             node._position = tuple(position)
         self.version += 1
 
@@ -379,6 +401,12 @@ class Model(ModelFiles):
     def nodes(self) -> list[Node]:
         """The nodes, in the order added."""
         return self._nodes
+
+    @property
+    def normals(self) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+        """Indices (number of normals,) of the nodes that carry a normal, and of the tips of these normals."""
+        pairs = np.array(self._normals, dtype=np.int64).reshape(-1, 2)
+        return pairs[:, 0], pairs[:, 1]
 
     @property
     def elements(self) -> list[Any]:
@@ -462,6 +490,8 @@ class Model(ModelFiles):
             raise ModelError("select: the model has no nodes yet")
         x = self.positions()
         chosen = np.ones(len(x), dtype=bool)
+        if index is None:
+            chosen[self.normals[1]] = False  # the tips of normals go with their nodes
         if box is not None:
             chosen &= self._inside(box, x)
         if where is not None:
@@ -504,7 +534,9 @@ class Model(ModelFiles):
 
     def __str__(self) -> str:
         counts = Counter(type(item).__name__ for item in self.objects)
-        parts = [f"{len(self._nodes)} nodes"] + [f"{number} {name}" for name, number in counts.items()]
+        normals = len(self._normals)
+        parts = [f"{len(self._nodes) - normals} nodes"] + ([f"{normals} normals"] if normals else [])
+        parts += [f"{number} {name}" for name, number in counts.items()]
         return f"Model{f' {self.name!r}' if self.name else ''} in {self.dim}D: {', '.join(parts)}"
 
     def __repr__(self) -> str:

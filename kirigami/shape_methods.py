@@ -68,12 +68,12 @@ class ResultsShape:
         Examples
         --------
         >>> import kirigami as kg
-        >>> mesh = kg.Sheet([(0, 0), (1, 0), (1, 2), (0, 2)]).mesh(0.2)
+        >>> mesh = kg.Sheet([(0, 0), (1, 0), (1, 2), (0, 2)]).mesh(0.1)
         >>> m = kg.Model.from_mesh(mesh, thickness=0.01, material=kg.Material(E=1e9), dim=2)
         >>> top = m.select(boundary="top")
         >>> held = m.add(kg.Fix(m.select(boundary="bottom")), kg.Fix(top, "x"), kg.Prescribe(top, y=1e-3))
-        >>> round(float(kg.LinearStatic(m).run().poisson_ratio()[-1]), 1)  # near the 1/3 of bars
-        0.3
+        >>> bool(0.3 < kg.LinearStatic(m).run().poisson_ratio()[-1] < 0.4)  # bars make about 1/3
+        True
         """
         from kirigami.post.shape import poisson_ratio
 

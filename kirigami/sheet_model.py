@@ -9,7 +9,7 @@ import numpy as np
 from kirigami.elements.bar import Bar
 from kirigami.elements.bend_hinge import BendHinge
 from kirigami.errors import ModelError
-from kirigami.model import Material, Model, Node, require_positive
+from kirigami.model import Material, Model, ModelObject, Node, require_positive
 from kirigami.stiffness import Calibration, SheetConstants, bar_stiffness, hinge_stiffness
 
 if TYPE_CHECKING:
@@ -23,7 +23,7 @@ def populate(
     material: Material | None,
     stiffness: str | Calibration,
 ) -> None:
-    """Fill an empty model with the nodes, bars and hinges of a mesh."""
+    """Fill an empty model with the nodes and elements of a mesh."""
     thickness = mesh.thickness if thickness is None else thickness
     material = mesh.material if material is None else material
     if thickness is None or material is None:
@@ -35,6 +35,14 @@ def populate(
     calibration = Calibration.named(stiffness, material)
     nodes = [Node(*position) for position in mesh.nodes.tolist()]
     model.add(*nodes)
+    rung = stiffness if isinstance(stiffness, str) else "calibration"
+    model.mesh = mesh
+    model.sheet_constants = SheetConstants(calibration, thickness, material, rung)
+    if rung in ("facet", "split"):
+        if model.dim == 2 and rung == "split":
+            raise ModelError("Model.from_mesh: stiffness='split' bends, so it needs dim=3; in a plane use 'facet'")
+        (_add_facets if rung == "facet" else _add_curved_facets)(model, mesh, thickness, material)
+        return
     EA = bar_stiffness(mesh, thickness, material.E, calibration.F_s).tolist()
     model.add(*(Bar(nodes[j], nodes[k], value) for (j, k), value in zip(mesh.edges.tolist(), EA)))
     if model.dim == 3:
@@ -47,5 +55,37 @@ def populate(
                 for (j, k), (i, other), value in zip(edges, wings, rigidity)
             )
         )
-    model.mesh = mesh
-    model.sheet_constants = SheetConstants(calibration, thickness, material)
+
+
+def _add_curved_facets(model: Model, mesh: TriMesh, thickness: float, material: Material) -> None:
+    """Every facet a curved one, and a normal at every node, with its tip on the upper face of the sheet."""
+    from kirigami.elements.curved_facet import CurvedFacet
+    from kirigami.normal import Normal, sheet_normals
+
+    nodes = model.nodes[:]
+    directions = sheet_normals(model.positions(), mesh.triangles).tolist()
+    normals = [Normal(node, direction, 0.5 * thickness) for node, direction in zip(nodes, directions)]
+    model.add(*normals)
+    corners = mesh.triangles.tolist()
+    model.add(*(CurvedFacet(normals[i], normals[j], normals[k], thickness, material) for i, j, k in corners))
+
+
+def _add_facets(model: Model, mesh: TriMesh, thickness: float, material: Material) -> None:
+    """Every facet one that stretches and bends against its neighbours."""
+    from kirigami.elements.facet import Facet
+
+    nodes = model.nodes[:]
+    # For each facet and corner, the corner of the neighbour across the opposite edge.
+    edge_of = {tuple(edge): position for position, edge in enumerate(np.sort(mesh.edges, axis=1).tolist())}
+    made: list[ModelObject] = []
+    wings, facets = mesh.edge_wings.tolist(), mesh.edge_facets.tolist()
+    for position, triangle in enumerate(mesh.triangles.tolist()):
+        across: list[Node | None] = []
+        for corner in range(3):
+            a, b = sorted((triangle[corner - 2], triangle[corner - 1]))
+            edge = edge_of[a, b]
+            other = facets[edge][1] if facets[edge][0] == position else facets[edge][0]
+            wing = wings[edge][1] if facets[edge][0] == position else wings[edge][0]
+            across.append(nodes[wing] if other >= 0 else None)
+        made.append(Facet(*(nodes[k] for k in triangle), thickness, material, tuple(across)))
+    model.add(*made)

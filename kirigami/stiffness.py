@@ -25,6 +25,8 @@ from kirigami.model import Material, require_positive
 if TYPE_CHECKING:
     from kirigami.geometry.mesh import TriMesh
 
+RUNGS = ("paper", "plate", "facet", "split")  # from cheap to accurate
+
 
 @dataclass(frozen=True)
 class Calibration:
@@ -61,11 +63,11 @@ class Calibration:
         """The calibration of a name, or the one given."""
         if isinstance(stiffness, Calibration):
             return stiffness
-        if stiffness == "plate":
+        if stiffness in ("plate", "facet", "split"):
             return cls(F_s=1.0, c=1 / (12 * (1 - material.nu**2)))
         if stiffness == "paper":
             return cls(F_s=0.85, c=0.125 / 48)
-        raise ModelError(f"stiffness {stiffness!r} is unknown: use 'plate', 'paper' or a Calibration(F_s, c)")
+        raise ModelError(f"stiffness {stiffness!r} is unknown: use one of {RUNGS} or a Calibration(F_s, c)")
 
 
 @dataclass(frozen=True)
@@ -75,6 +77,7 @@ class SheetConstants:
     calibration: Calibration
     thickness: float
     material: Material
+    rung: str = "calibration"  # name of the rung of accuracy, "calibration" for own factors
 
 
 def bar_stiffness(mesh: TriMesh, thickness: float, E: float, F_s: float) -> Array:

@@ -19,6 +19,7 @@ from kirigami.sweep_table import RESERVED, Row, SweepLog, SweepTable, log_path
 from kirigami.sweep_workers import Runner, failure, name_of, plain, runner_for
 
 TABLE_PAUSE = 5.0  # shortest time between two copies of the table while designs come in [s]
+LOOK_AROUND = 1.0  # longest time without a look at Ctrl-C and at new workers [s]
 DIED = "the worker process ended without an answer: for want of memory, or by a crash"
 
 
@@ -42,6 +43,15 @@ class Sweep:
         Where the log and the table go, with or without ``.csv``.
     seed : int
         From it and the number of the design follows the seed of each design.
+
+    Notes
+    -----
+    On a Dask cluster, with this package installed on every worker::
+
+        from dask.distributed import Client
+        table = kg.Sweep(function, designs, "table.csv").run(Client("scheduler:8786"))
+
+    Every design carries its parameters, seed, seconds, the version of this package, status and error into the table.
 
     Raises
     ------
@@ -160,7 +170,7 @@ class Sweep:
                             break
                         number = (suspects or waiting).popleft()
                         running[runner.submit(self.function, self._arguments(number))] = number
-                    for future in wait(running, return_when=FIRST_COMPLETED).done:
+                    for future in wait(running, LOOK_AROUND, FIRST_COMPLETED).done:
                         outcome = runner.outcome(future)
                         if outcome is not None:
                             self._keep(log, running[future], outcome)

@@ -198,11 +198,13 @@ class SweepLog:
             return
         try:
             fcntl.flock(self._file, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except OSError:
+        except BlockingIOError:
             raise AnalysisError(
                 f"{self.path} is in use by another process that runs this sweep: wait for it or stop it (a script that "
                 "runs a sweep must do so under `if __name__ == '__main__':`, or its workers run the sweep again)"
             ) from None
+        except OSError:  # a file system without locks
+            return
 
     def append(self, record: Row) -> None:
         """Add the record of one design, on the disk when this returns."""

@@ -128,6 +128,11 @@ class System:
                     leader[at] = leaders * self.dim + AXES.index(axis)
                 else:
                     fixed[at] = True
+            if item.clamp:  # the normals of clamped nodes keep their direction: their tips move along
+                base, tip = numbering.model.normals
+                of_group = np.isin(base, nodes)
+                for axis_number in range(self.dim):
+                    leader[tip[of_group] * self.dim + axis_number] = base[of_group] * self.dim + axis_number
         for _ in range(dofs):
             following = np.flatnonzero(leader[leader] != leader)
             if not following.size:

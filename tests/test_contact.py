@@ -215,6 +215,27 @@ def test_sheet_bent_round_a_cylinder() -> None:
     assert total[[0, 2]] == pytest.approx([0, pull * width], abs=1e-6 * pull * width)
 
 
+def test_sheet_draped_over_a_ball_and_lifted_off_again() -> None:
+    """Contact closes node by node and opens again; what the ball pushes, the edges hold; nothing is left behind."""
+    m = kg.Model.from_mesh(_strip(8, 8, 1 / 8), 0.005, kg.Material(E=1e6, nu=0.3))
+    x, y, _ = m.positions().T
+    m.perturb(1e-4 * np.sin(np.pi * x) * np.sin(np.pi * y))
+    edge = m.select(boundary="outer")
+    m.add(kg.Fix(edge, "xy", clamp=True), kg.Prescribe(edge, z=-0.15))
+    m.add(Contact(m.nodes, Sphere((0.5, 0.5, -0.31), 0.3), offset=0.0025))
+    down = kg.DisplacementControl(m).run()
+    touching = (normal_forces(down) > 0).sum(axis=1)
+    assert touching[0] == 0 and touching[-1] > 3
+    direction = _kernel(m)._distance(down.position()[-1])[1]
+    upwards = (normal_forces(down)[-1] * direction[:, 2]).sum()
+    assert down.reaction(edge, "z")[-1] == pytest.approx(-upwards, rel=1e-5)
+    kernel = _kernel(m)
+    bound = (normal_forces(down) / kernel.stiffness + kernel.layer / 2 - kernel.start).clip(0)
+    assert (-gaps(down) <= bound + 1e-12).all() and penetration(down).max() < 0.01 * 0.005
+    up = kg.DisplacementControl(m, to=0.0, start=down[-1]).run()
+    assert not normal_forces(up)[-1].any() and np.abs(up.u[-1]).max() < 1e-9
+
+
 # ----------------------------------------------------------------------------------------- off, saved, refused
 
 

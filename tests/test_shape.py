@@ -33,7 +33,8 @@ def equilateral_strip(columns: int = 12, rows: int = 15) -> kg.TriMesh:
     points, start = [], []
     for row in range(rows + 1):
         start.append(len(points))
-        across = np.arange(columns + 1.0) if row % 2 == 0 else np.concatenate([[0], np.arange(columns) + 0.5, [columns]])
+        shifted = np.concatenate([[0], np.arange(columns) + 0.5, [columns]])
+        across = shifted if row % 2 else np.arange(columns + 1.0)
         points += [(x, row * pitch) for x in across]
     facets = []
     for row in range(rows):
@@ -215,3 +216,18 @@ def test_shape_of_a_truss_needs_a_mesh() -> None:
     for ask in (res.width, res.poisson_ratio, res.curvature):
         with pytest.raises(kg.AnalysisError, match="from_mesh"):
             ask()
+
+
+def test_pictures_of_measures_show_what_they_are_given() -> None:
+    mesh = kg.Sheet(shapely.box(0, 0, 1, 2)).mesh(0.4)
+    m = kg.Model.from_mesh(mesh, thickness=0.01, material=kg.Material(E=1e9), dim=2)
+    top = m.select(boundary="top")
+    m.add(kg.Fix(m.select(boundary="bottom")), kg.Fix(top, "x"), kg.Prescribe(top, y=1e-3))
+    res = kg.LinearStatic(m).run()
+    ax = kg.plot.plot_measure(res, res.poisson_ratio(), "Poisson ratio", label="strip")
+    assert len(ax.lines[0].get_xdata()) == len(res) - 1  # not defined at rest, so not drawn there
+    assert ax.get_legend().get_texts()[0].get_text() == "strip"
+    shares = kg.plot.plot_energy_shares(res)
+    assert [text.get_text() for text in shares.get_legend().get_texts()] == ["bars"]
+    with pytest.raises(kg.ModelError, match="one value for each"):
+        kg.plot.plot_measure(res, [1.0, 2.0, 3.0])

@@ -22,6 +22,7 @@ from kirigami.system import System
 
 LIMIT_TOLERANCE = 1e-7  # relative error in load to which limit points are located
 BIFURCATION_TOLERANCE = 1e-4  # share of the range of load factors to which bifurcations are located
+JUMP = 20.0  # growth of the mean speed along an increment beyond which displacements jump
 SNAP = 1e-3  # least energy set free, as a share of the stored energy, that counts as a snap
 
 
@@ -31,6 +32,7 @@ class Walker(Protocol):
     system: System
     found: Results
     control: Control
+    on_instability: str
 
     def try_increment(self, before: Point, increment: float) -> Attempt: ...
 
@@ -50,16 +52,27 @@ class LostPathError(Exception):
     """An equilibrium between two known ones was not found."""
 
 
-def report_events(path: Walker, before: Point, after: Point, increment: float, left: Point | None = None) -> None:
+class JumpError(Exception):
+    """Two points do not lie on one path: between them the displacements jump."""
+
+
+def report_events(
+    path: Walker, before: Point, after: Point, increment: float, left: Point | None = None, strict: bool = True
+) -> None:
     """Add to the results of `path` what happened between two of its points, one increment apart.
 
-    `left` is the unstable equilibrium at the end of the increment that was left downhill for `after`, if any.
+    `left` is the unstable equilibrium at the end of the increment that was left downhill for `after`, if any. Raises
+    a JumpError where `after` turns out to lie on another path, or with `strict` where that cannot be excluded.
     """
     events, index = path.found.events, len(path.found) - 1
     bracket = (before.state.lam, after.state.lam)
     reached = after if left is None else left
     try:
-        _report_singular_points(path, before, reached, increment, index)
+        leaves = path.on_instability != "follow" and reached.negative > before.negative  # at the first one
+        _report_singular_points(path, before, reached, increment, index, leaves, strict and left is None)
+    except JumpError:
+        if left is None:
+            raise
     finally:
         path.system.history = after.history
     if left is not None:
@@ -98,8 +111,10 @@ def _energy_set_free(path: Walker, before: Point, after: Point) -> tuple[float, 
 # ---- singular points
 
 
-def _report_singular_points(path: Walker, before: Point, after: Point, increment: float, index: int) -> None:
-    """Locate every limit point and bifurcation on the path from `before` to `after`."""
+def _report_singular_points(
+    path: Walker, before: Point, after: Point, increment: float, index: int, only_first: bool, strict: bool
+) -> None:
+    """Locate every limit point and bifurcation on the path from `before` to `after`, or only the first one."""
     bracket = (before.state.lam, after.state.lam)
     rates = _load_rate(path, before, before, after), _load_rate(path, after, before, after)
     limit: Place | None = None
@@ -121,8 +136,12 @@ def _report_singular_points(path: Walker, before: Point, after: Point, increment
                     f"({near.point.negative} to {far.point.negative} negative eigenvalues)"
                 )
                 _append(path, "bifurcation", place, index, message, bracket)
+            if only_first:
+                return
             low = far
     except LostPathError:
+        if strict:
+            raise JumpError from None
         between = low.point.state.lam, end.point.state.lam
         message = (
             f"{low.point.negative} to {end.point.negative} negative eigenvalues between load factors "
@@ -147,7 +166,8 @@ def nodal_shape(system: System, vector: Array) -> Array:
     """Unknowns (free,) as a shape (n, 3): largest component 1, the first of the largest entries positive."""
     shape = np.zeros((len(system.rest), 3))
     shape[:, : system.dim] = system.displacement(vector, 0.0) - system.displacement(0 * vector, 0.0)
-    scaled: Array = shape / shape.ravel()[first_largest(shape.ravel())]
+    first = shape.ravel()[first_largest(shape.ravel())]
+    scaled: Array = shape / (np.abs(shape).max() * np.sign(first))
     return scaled
 
 
@@ -254,4 +274,8 @@ def _locate_crossing(path: Walker, before: Point, low: Place, high: Place) -> tu
         if apart <= tolerance:
             break
         close *= 0.5 * tolerance / apart
+    # An imperfect structure has no bifurcation but two paths with a gap between them, and a step may jump it.
+    way = abs(high.point.state.u - before.state.u).max() * (far.way - near.way) / high.way
+    if abs(far.point.state.u - near.point.state.u).max() > JUMP * way:
+        raise JumpError
     return near, far

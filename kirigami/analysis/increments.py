@@ -25,6 +25,7 @@ class Increments:
         self.targets = list(targets)  # in the order they are met; the last one ends the walk
         self.origin = origin
         self.sense = 1.0
+        self.least_growth, self.growth_after_snap = 0.5, 1.0
 
     def next_increment(self, value: float) -> float | None:
         """Signed increment from the parameter `value`, or None at the end."""
@@ -57,10 +58,10 @@ class Increments:
         """Next size from how hard the last increment was, and how far the corrections led away from the prediction."""
         growth = (WANTED_ITERATIONS / max(attempt.iterations, 1)) ** 1.5
         if attempt.relaxed:
-            growth = 1.0
+            growth = self.growth_after_snap
         elif attempt.drift > 0:
             growth = min(growth, (DRIFT_WANTED / attempt.drift) ** 0.5)  # the drift grows with the square
-        growth = float(np.clip(growth, 0.5, 2.5))
+        growth = float(np.clip(growth, self.least_growth, 2.5))
         # A short increment that only served to hit a target says nothing about the size to go on with.
         base = abs(increment) if growth < 1 or abs(increment) > 0.99 * self.size else self.size
         self.size = min(max(base * growth, self.smallest), self.largest)

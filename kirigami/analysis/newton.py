@@ -5,16 +5,14 @@ factorisation and two solves per iteration:
 
     dq = a + b dlam,   a = -K^-1 r,   b = -K^-1 dr/dlam,   dlam = -(g + g_q.a) / (g_lam + g_q.b)
 
-Three things carry it through the sharp corners of thin sheets; the residual stays exact in all of them:
+Two things carry it through the sharp corners of thin sheets; the residual stays exact in both:
 
 * Mixed stress. The geometric stiffness takes its bar stresses from the linear step just made instead of the position
   reached, where a rotation has pumped false stress into stiff bars (Magisano, Leonetti and Garcea, Comput. Methods
   Appl. Mech. Eng. 313 (2017)).
 * No correction may turn a member by more than a set angle.
-* Relaxation (``convex=True``). Where Newton fails, or finds an unstable equilibrium, the part of the Hessian that can
-  make it indefinite (compression in bars, moments in hinges) is faded out just as far as it takes for no pivot to be
-  negative. Every correction then runs downhill, and the exact tangent is back before convergence: what is found is a
-  stable equilibrium.
+
+Where it fails, or finds an unstable equilibrium, :mod:`kirigami.analysis.descent` goes on.
 """
 
 from __future__ import annotations
@@ -31,8 +29,6 @@ from kirigami.system import System
 
 ROTATION_CAP = 0.3  # largest turn of a member in one correction [rad]
 DIVERGED = 1e6  # growth of the residual after which an attempt is hopeless
-CONVEXITY = 0.02, 3.0, 1.5  # least share faded out, growth while a pivot is negative, decay while none is
-PUSH = 0.05  # turn of a member by which an unstable equilibrium is pushed off along its mode [rad]
 
 
 def correct(
@@ -43,14 +39,12 @@ def correct(
     tol: float,
     max_iterations: int,
     on_iteration: Callable[[], None] = lambda: None,
-    convex: bool = False,
 ) -> Attempt:
-    """Newton iterations from `start` until equilibrium and control hold; with `convex`, to a stable equilibrium."""
+    """Newton iterations from `start` until equilibrium and control hold."""
     try:
-        return _iterate(system, factorize, control, start, tol, max_iterations, on_iteration, convex)
+        return _iterate(system, factorize, control, start, tol, max_iterations, on_iteration)
     finally:
         system.linearize(None)
-        system.convexity = 0.0
 
 
 def _iterate(
@@ -61,11 +55,9 @@ def _iterate(
     tol: float,
     max_iterations: int,
     on_iteration: Callable[[], None],
-    convex: bool,
 ) -> Attempt:
     q, lam, u = start.q.copy(), start.lam, start.u
     history: list[float] = []
-    share = 0.0
     for iteration in range(max_iterations + 1):
         with np.errstate(all="ignore"):
             residual, relative = system.imbalance(u, lam)
@@ -77,29 +69,15 @@ def _iterate(
 
         if not np.isfinite(relative):
             return failed("a member collapsed (forces are not finite)")
-        converged = relative <= tol and abs(gap) <= control.slack
-        if converged and not convex:
+        if relative <= tol and abs(gap) <= control.slack:
             return Attempt(State(q, lam, u), True, relative, iteration, history)
         if iteration == max_iterations:
             return failed("too many iterations")
-        if not convex and _hopeless(history):
+        if _hopeless(history):
             return failed("the residual does not fall")
         try:
-            if converged:
-                system.linearize(None)
             blocks = system.stiffness_blocks(u, lam)
             factor = factorize(blocks)
-            if converged:
-                if factor.negative == 0:
-                    return Attempt(State(q, lam, u), True, relative, iteration, history)
-                q = q + _push(system, factor, u, lam)
-                u = system.displacement(q, lam)
-                continue
-            while convex and factor.negative and share < 1.0:
-                share = min(1.0, max(share * CONVEXITY[1], CONVEXITY[0]))
-                system.convexity = share
-                blocks = system.stiffness_blocks(u, lam)
-                factor = factorize(blocks)
             with system.clock("solve"):
                 step_q = -factor.solve(residual) if relative > 0 else np.zeros_like(residual)
                 step_lam = 0.0
@@ -122,8 +100,6 @@ def _iterate(
         system.linearize(u, change)
         q, lam = q + step_q, lam + step_lam
         u = system.displacement(q, lam)
-        share = share / CONVEXITY[2] if share > 0.25 * CONVEXITY[0] else 0.0
-        system.convexity = share
         on_iteration()
     raise AssertionError("unreachable")
 
@@ -135,14 +111,3 @@ def _hopeless(history: list[float]) -> bool:
     if len(history) == 5:
         return history[-1] > 0.3 * max(history[:2])
     return len(history) > 6 and history[-1] > 0.1 * history[-3]
-
-
-def _push(system: System, factor: Factor, u: Array, lam: float) -> Array:
-    """A small move (free,) along the mode nearest to neutral, by inverse iteration; its largest entry is positive."""
-    mode = np.random.default_rng(0).normal(size=system.free)
-    for _ in range(8):
-        mode = factor.solve(mode)
-        mode /= np.abs(mode).max()
-    mode *= np.sign(mode[np.argmax(np.abs(mode))])
-    change = system.displacement(mode, 0.0) - system.displacement(0 * mode, 0.0)
-    return mode * (PUSH / system.largest_rotation(change))

@@ -38,8 +38,9 @@ class _RangeAnalysis(PathAnalysis):
         start: Step | Event | None,
         on_instability: str,
         branch: int | None,
+        corrector: str,
     ) -> None:
-        super().__init__(model, tol, start, on_instability, branch)
+        super().__init__(model, tol, start, on_instability, branch, corrector)
         owner = type(self).__name__
         self.to = require_finite(to, "to", owner)
         self.targets = targets
@@ -77,6 +78,10 @@ class LoadControl(_RangeAnalysis):
         real structure does in a snap; or stop there. Events tell what was met.
     branch : {1, -1}, optional
         With a bifurcation as `start`: leave it along its mode, or against it.
+    corrector : {"descent", "newton", "viscous"}
+        How stable equilibria are found where unstable ones are left (on_instability "switch"): downhill at once, with
+        compression faded out of the tangent where it is indefinite; by Newton's method at shorter and shorter
+        increments, and downhill where it fails; or by an implicit viscous motion. The first is the cheapest.
 
     Examples
     --------
@@ -99,8 +104,9 @@ class LoadControl(_RangeAnalysis):
         start: Step | Event | None = None,
         on_instability: str = "follow",
         branch: int | None = None,
+        corrector: str = "descent",
     ) -> None:
-        super().__init__(model, to, targets, step, tol, start, on_instability, branch)
+        super().__init__(model, to, targets, step, tol, start, on_instability, branch, corrector)
 
     def _make_control(self, system: System) -> Control:
         require_drive(system, type(self).__name__)
@@ -133,6 +139,10 @@ class DisplacementControl(_RangeAnalysis):
         so "switch" goes over to the other path at bifurcations and follows limit points.
     branch : {1, -1}, optional
         With a bifurcation as `start`: leave it along its mode, or against it.
+    corrector : {"descent", "newton", "viscous"}
+        How stable equilibria are found where unstable ones are left (on_instability "switch"): downhill at once, with
+        compression faded out of the tangent where it is indefinite; by Newton's method at shorter and shorter
+        increments, and downhill where it fails; or by an implicit viscous motion. The first is the cheapest.
 
     Examples
     --------
@@ -157,10 +167,11 @@ class DisplacementControl(_RangeAnalysis):
         start: Step | Event | None = None,
         on_instability: str | None = None,
         branch: int | None = None,
+        corrector: str = "descent",
     ) -> None:
         if on_instability is None:
             on_instability = "switch" if control is None else "follow"
-        super().__init__(model, to, targets, step, tol, start, on_instability, branch)
+        super().__init__(model, to, targets, step, tol, start, on_instability, branch, corrector)
         if control is not None:
             node, axis = control if isinstance(control, (tuple, list)) and len(control) == 2 else (None, None)
             if not isinstance(node, Node) or axis not in tuple(AXES[: model.dim]):

@@ -31,6 +31,8 @@ class Attempt:
     relaxed: bool = False
     drift: float = 0.0
     left: Point | None = None  # the unstable equilibrium that a relaxation left
+    stiffness: tuple[Array, Factor] | None = None  # exact blocks and factor there, where they are known
+    left_at: tuple[State, Array, Factor] | None = None  # first unstable equilibrium met, its blocks and factor
 
 
 @dataclass

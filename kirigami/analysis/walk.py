@@ -20,7 +20,8 @@ from kirigami.analysis.base import Analysis, make_step
 from kirigami.analysis.branch import leave_along_mode
 from kirigami.analysis.checkpoint import Checkpoint, fingerprint
 from kirigami.analysis.control import Control, LoadFactorControl
-from kirigami.analysis.events import report_events
+from kirigami.analysis.descent import CORRECTORS, descend
+from kirigami.analysis.events import JumpError, report_events
 from kirigami.analysis.increments import Increments
 from kirigami.analysis.newton import correct
 from kirigami.analysis.state import Attempt, Point, State, Tangent
@@ -36,8 +37,8 @@ Recorder = Callable[[Step], None]
 
 ON_INSTABILITY = ("follow", "switch", "stop")
 MAX_ITERATIONS = 14
+CUTS_AT_EVENTS = 8  # shorter increments tried where the path to a change of stability cannot be traced
 MAX_RELAXATION = 120
-CUTS_FIRST = 3  # shorter increments tried by Newton's method before a relaxation, unless they are short already
 DRIFT_LARGEST = 0.25  # an equilibrium that far off the prediction may lie on another branch: the increment is cut [rad]
 PREDICTED_TURN = 0.5  # a prediction that turns a member by more is cut before it is tried [rad]
 
@@ -48,13 +49,22 @@ class PathAnalysis(Analysis):
     max_steps = 100_000
 
     def __init__(
-        self, model: Model, tol: float, start: Step | Event | None, on_instability: str, branch: int | None
+        self,
+        model: Model,
+        tol: float,
+        start: Step | Event | None,
+        on_instability: str,
+        branch: int | None,
+        corrector: str = "descent",
     ) -> None:
         super().__init__(model)
         owner = type(self).__name__
         if on_instability not in ON_INSTABILITY:
             raise ModelError(f"{owner}: on_instability must be one of {ON_INSTABILITY}, got {on_instability!r}")
         self.on_instability = on_instability
+        if corrector not in CORRECTORS:
+            raise ModelError(f"{owner}: corrector must be one of {tuple(CORRECTORS)}, got {corrector!r}")
+        self.corrector = corrector
         self.tol = require_positive(tol, "tol", owner)
         self.branch = branch
         self.mode: Array | None = None
@@ -165,6 +175,9 @@ class PathAnalysis(Analysis):
         else:
             point = self._first_equilibrium(start) if self.branch is None else self._begin_branch(start)
             increments = self._plan(control, point.state, point.tangent)
+        if self._downhill:
+            strategy = CORRECTORS[self.corrector]
+            increments.least_growth, increments.growth_after_snap = strategy.least_growth, strategy.growth_after_snap
         self._bar.start(increments.progress(control.value(point.state.q, point.state.lam)))
         while len(results) <= self.max_steps:
             if self._stops(results[-1]) or (self.on_instability == "stop" and len(results) > 1 and point.negative):
@@ -173,11 +186,19 @@ class PathAnalysis(Analysis):
             if increment is None:
                 return
             before = point
-            cuts = 0
+            cuts, most = 0, CORRECTORS[self.corrector].cuts
             while True:
-                attempt, tangent = self._step(before, increment, cuts >= CUTS_FIRST or increments.is_short(increment))
+                attempt, tangent = self._step(before, increment, cuts >= most or increments.is_short(increment))
+                known = len(results.events)
                 if tangent is not None:
-                    break
+                    system.commit(attempt.state.u)
+                    point = Point(attempt.state, tangent, system.history)
+                    try:
+                        report_events(self, before, point, increment, attempt.left, strict=cuts < CUTS_AT_EVENTS)
+                        break
+                    except JumpError:
+                        del results.events[known:]
+                        attempt.reason = "the equilibrium found lies on another path"
                 results.stats["cutbacks"] += 1
                 cuts += 1
                 system.history = before.history
@@ -185,10 +206,6 @@ class PathAnalysis(Analysis):
                 if shorter is None:
                     self._fail(attempt, increment)
                 increment = shorter
-            system.commit(attempt.state.u)
-            point = Point(attempt.state, tangent, system.history)
-            known = len(results.events)
-            report_events(self, before, point, increment, attempt.left)
             if self.on_instability == "switch" and not isinstance(control, LoadFactorControl):
                 before, point, attempt = self._switch(results.events[known:], before, point, attempt)
             control.accept(before.state, point.state)
@@ -246,8 +263,16 @@ class PathAnalysis(Analysis):
 
     # ---- one step
 
+    @property
+    def _downhill(self) -> bool:
+        """Whether unstable equilibria are left for stable ones at the same load factor."""
+        return self.on_instability == "switch" and isinstance(self.control, LoadFactorControl)
+
     def _step(self, before: Point, increment: float, hard: bool) -> tuple[Attempt, Tangent | None]:
-        """One increment by Newton's method, and by relaxation where that is allowed and called for."""
+        """One increment: downhill where unstable equilibria are to be left, else by Newton's method alone."""
+        if self._downhill and not CORRECTORS[self.corrector].newton_first:
+            attempt = self._relax(before, increment, hold=hard)
+            return attempt, self.tangent_at(attempt)
         attempt = self.try_increment(before, increment)
         tangent = self.tangent_at(attempt)
         if tangent is not None:
@@ -255,9 +280,9 @@ class PathAnalysis(Analysis):
             if attempt.reason:
                 return attempt, None
         relax = hard if tangent is None else tangent.factor.negative > 0
-        if self.on_instability == "switch" and relax and isinstance(self.control, LoadFactorControl):
-            self.found.stats["relaxations"] += 1
-            relaxed = self._relax(before, increment)
+        if self._downhill and relax:
+            relaxed = self._relax(before, increment, hold=True)
+            relaxed.relaxed = True
             relaxed_tangent = self.tangent_at(relaxed)
             if relaxed_tangent is not None:
                 relaxed.left = None if tangent is None else Point(attempt.state, tangent, before.history)
@@ -334,7 +359,8 @@ class PathAnalysis(Analysis):
         self._first_factor(system, self.found, state.u, state.lam)
         attempt = self.correct(stay, state)
         if not attempt.converged:
-            attempt = correct(system, self._new_factor, stay, state, self.tol, MAX_RELAXATION, self._count, True)
+            strategy = CORRECTORS[self.corrector]
+            attempt = descend(system, self._new_factor, state, self.tol, MAX_RELAXATION, strategy, self._count)
         tangent = self.tangent_at(attempt)
         if tangent is None:
             self._fail(attempt, 0.0)
@@ -372,23 +398,34 @@ class PathAnalysis(Analysis):
             attempt.reason = f"equilibrium found {attempt.drift:.2f} rad off the prediction, maybe on another branch"
         return attempt
 
-    def _relax(self, before: Point, increment: float) -> Attempt:
-        """Run downhill from the last equilibrium, carried along with the drive, to a stable equilibrium."""
-        system = self.system
+    def _relax(self, before: Point, increment: float, hold: bool) -> Attempt:
+        """Run downhill from the prediction to a stable equilibrium.
+
+        Near a limit point the tangent shoots off: then fail, or with `hold` move only what is driven, and let the rest
+        follow.
+        """
+        system, strategy = self.system, CORRECTORS[self.corrector]
         predicted = self._predict(before, increment)
         assert predicted is not None  # the load factor itself is the parameter
         state, change = predicted
-        if system.largest_rotation(change) > PREDICTED_TURN:
-            # The tangent shoots off near a limit point: move only what is driven, and let the rest follow.
+        if system.largest_rotation(change) > strategy.turn:
+            if not hold:
+                return Attempt(before.state, False, float("inf"), 0, [], "the increment turns members too far")
             q = before.state.q
             state = State(q, state.lam, system.displacement(q, state.lam))
             change = state.u - before.state.u
         system.linearize(before.state.u, change)
-        attempt = correct(
-            system, self._new_factor, self.control, state, self.tol, MAX_RELAXATION, self._count, convex=True
-        )
+        attempt = descend(system, self._new_factor, state, self.tol, MAX_RELAXATION, strategy, self._count)
         attempt.iterations += 1
-        attempt.relaxed = True
+        attempt.drift = system.largest_rotation(attempt.state.u - state.u)
+        attempt.relaxed = attempt.drift > DRIFT_LARGEST
+        if attempt.left_at is not None:
+            left, blocks, factor = attempt.left_at
+            attempt.relaxed = True
+            if system.largest_rotation(left.u - state.u) <= DRIFT_LARGEST:  # else the descent came from elsewhere
+                rate = -factor.solve(system.load_rate(left.u, left.lam, blocks))
+                attempt.left = Point(left, Tangent(blocks, factor, rate), before.history)
+        self.found.stats["relaxations"] += int(attempt.relaxed or strategy.newton_first)
         return attempt
 
     def correct(self, control: Control, state: State) -> Attempt:
@@ -400,9 +437,12 @@ class PathAnalysis(Analysis):
         if not attempt.converged:
             return None
         system, state = self.system, attempt.state
-        blocks = system.stiffness_blocks(state.u, state.lam)
         try:
-            factor = self._new_factor(blocks)
+            if attempt.stiffness is not None:
+                blocks, factor = attempt.stiffness
+            else:
+                blocks = system.stiffness_blocks(state.u, state.lam)
+                factor = self._new_factor(blocks)
             with system.clock("solve"):
                 rate = -factor.solve(system.load_rate(state.u, state.lam, blocks))
         except SingularMatrixError as error:

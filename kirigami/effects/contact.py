@@ -159,6 +159,9 @@ class Sphere:
 class Contact(ModelObject):
     """Keeps nodes off a rigid surface.
 
+    What is not in touch has no stiffness: LinearStatic and Eigen on the rest state do not see the surface, and a body
+    needs supports that hold it without.
+
     Parameters
     ----------
     nodes : Node or sequence of Node
@@ -322,7 +325,7 @@ class ContactKernel(Kernel):
         self.rest, self.conn, self.members = rest, conn, members
         self.point, self.normal, self.projector, self.radius = point, normal, projector, radius
         self.stiffness, self.layer = stiffness, layer
-        self._flat = normal.any(axis=1)
+        self._flat: NDArray[np.bool_] = np.asarray(np.any(normal != 0, axis=1))
         at_rest = self._distance(rest)[0]
         self.start = np.clip(at_rest, 0.0, layer)  # distance at which the force sets in
 

@@ -29,7 +29,7 @@ class AngleKernel(Kernel):
         self._committed = initial.copy()
         self.rest_angle = np.where(np.isnan(rest_angle), initial, rest_angle)
 
-    def _unwrap(self, angle: Array) -> Array:
+    def unwrap(self, angle: Array) -> Array:
         """The value of a raw angle, known up to whole turns, that lies nearest to the committed one.
 
         Whole turns are added, so that the same raw angle gives the same value to the last digit: a structure at rest

@@ -151,31 +151,31 @@ class BendHingeKernel(AngleKernel):
     ) -> None:
         self.rest, self.conn, self.stiffness, self.members = rest, conn, stiffness, members
         self._rest_vectors = _wing_vectors(rest, conn)
-        self._begin(self._raw_angle(*self._rest_vectors), rest_angle)
+        self._begin(self.raw_angle(*self._rest_vectors), rest_angle)
 
-    def _vectors(self, x: Array) -> tuple[Array, Array, Array]:
+    def vectors(self, x: Array) -> tuple[Array, Array, Array]:
         u = displacement_of(x, self.rest)
         e, a, b = _wing_vectors(u, self.conn)
         return self._rest_vectors[0] + e, self._rest_vectors[1] + a, self._rest_vectors[2] + b
 
     @staticmethod
-    def _raw_angle(edge: Array, wing_i: Array, wing_l: Array) -> Array:
+    def raw_angle(edge: Array, wing_i: Array, wing_l: Array) -> Array:
         m, n = _cross(edge, wing_i), _cross(wing_l, edge)
         angle: Array = np.arctan2(np.sqrt(_dot(edge, edge)) * _dot(m, wing_l), _dot(m, n))
         return angle
 
     def deformation(self, x: Array) -> Array:
         """Unwrapped angle of each hinge (n,) [rad]."""
-        return self._unwrap(self._raw_angle(*self._vectors(x)))
+        return self.unwrap(self.raw_angle(*self.vectors(x)))
 
     def deformation_rate(self, x: Array, change: Array) -> Array:
         """First-order change of the angle (n,) for a displacement change (n_nodes, 3)."""
-        _, gradient = self._first_derivatives(*self._vectors(x))
+        _, gradient = self.first_derivatives(*self.vectors(x))
         rate: Array = np.einsum("akn,nka->n", gradient, change[self.conn])
         return rate
 
     @staticmethod
-    def _first_derivatives(edge: Array, wing_i: Array, wing_l: Array) -> tuple[list[tuple[Array, ...]], Array]:
+    def first_derivatives(edge: Array, wing_i: Array, wing_l: Array) -> tuple[list[tuple[Array, ...]], Array]:
         """Per wing (h, beta, t, n, inverse length), and the gradient of the angle, shape (3, 4, n)."""
         inverse_length = 1 / np.sqrt(_dot(edge, edge))
         unit = edge * inverse_length
@@ -192,13 +192,13 @@ class BendHingeKernel(AngleKernel):
         return wings, gradient
 
     def evaluate(self, x: Array, lam: float = 1.0, need: int = 2) -> Contribution:
-        edge, wing_i, wing_l = self._vectors(x)
-        excess = self._unwrap(self._raw_angle(edge, wing_i, wing_l)) - self.rest_angle
+        edge, wing_i, wing_l = self.vectors(x)
+        excess = self.unwrap(self.raw_angle(edge, wing_i, wing_l)) - self.rest_angle
         moment = self.stiffness * excess
         energy = 0.5 * moment * excess
         if need == 0:
             return Contribution(energy)
-        wings, angle_gradient = self._first_derivatives(edge, wing_i, wing_l)
+        wings, angle_gradient = self.first_derivatives(edge, wing_i, wing_l)
         gradient = moment * angle_gradient
         if need == 1:
             return Contribution(energy, gradient.transpose(2, 1, 0))
@@ -208,7 +208,13 @@ class BendHingeKernel(AngleKernel):
         stiff = self.stiffness * angle_gradient
         for slot, (p, q) in enumerate(self.pairs):
             np.multiply(stiff[:, None, p], angle_gradient[None, :, q], out=hessian[:, :, slot])
-        slot_of = {pair: slot for slot, pair in enumerate(self.pairs)}
+        self.add_second_derivatives(hessian, moment, edge, wings)
+        return Contribution(energy, gradient.transpose(2, 1, 0), hessian.transpose(3, 2, 0, 1))
+
+    @classmethod
+    def add_second_derivatives(cls, hessian: Array, moment: Array, edge: Array, wings: list[tuple[Array, ...]]) -> None:
+        """Add `moment` (n,) times the second derivatives of the angle to blocks (3, 3, pairs, n)."""
+        slot_of = {pair: slot for slot, pair in enumerate(cls.pairs)}
         inverse_length = 1 / np.sqrt(_dot(edge, edge))
         unit = edge * inverse_length
         for (height, beta, t, n), node in zip(wings, (0, 3)):
@@ -230,4 +236,3 @@ class BendHingeKernel(AngleKernel):
                     target -= (d[p] * c[q]) * skew_turned
                 if d[p] and d[q]:
                     target -= (d[p] * d[q]) * stretch
-        return Contribution(energy, gradient.transpose(2, 1, 0), hessian.transpose(3, 2, 0, 1))

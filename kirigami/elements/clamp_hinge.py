@@ -25,6 +25,8 @@ def clamp_kernels(groups: Sequence[Sequence[Node]], numbering: Numbering) -> lis
     model = numbering.model
     if model.mesh is None or model.sheet_constants is None:
         raise ModelError("clamp=True needs a model made by Model.from_mesh: other models have no facets to clamp")
+    if len(model.normals[0]):
+        return []  # clamped nodes hold their normals, which is done by elimination
     mesh, constants = model.mesh, model.sheet_constants
     rigidity = hinge_stiffness(mesh, constants.thickness, constants.material.E, constants.calibration.c)
     boundary = np.flatnonzero(mesh.edge_facets[:, 1] < 0)

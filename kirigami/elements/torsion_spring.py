@@ -143,7 +143,7 @@ class TorsionSpring3Kernel(AngleKernel):
 
     def deformation(self, x: Array) -> Array:
         """Unwrapped angle of each spring (n,) [rad]."""
-        return self._unwrap(self._raw_angle(*self._current_arms(x)))
+        return self.unwrap(self._raw_angle(*self._current_arms(x)))
 
     def deformation_rate(self, x: Array, change: Array) -> Array:
         """First-order change of the angle (n,) for a displacement change (n_nodes, 2)."""
@@ -157,7 +157,7 @@ class TorsionSpring3Kernel(AngleKernel):
 
     def evaluate(self, x: Array, lam: float = 1.0, need: int = 2) -> Contribution:
         a, b = self._current_arms(x)
-        excess = self._unwrap(self._raw_angle(a, b)) - self.rest_angle
+        excess = self.unwrap(self._raw_angle(a, b)) - self.rest_angle
         moment = self.stiffness * excess
         energy = 0.5 * moment * excess
         if need == 0:

@@ -8,7 +8,18 @@ from __future__ import annotations
 
 from kirigami.plot.curves import plot_curve, plot_open_area
 from kirigami.plot.deformed import plot_results
+from kirigami.plot.measures import plot_energy_shares, plot_measure
 from kirigami.plot.movie import animate
 from kirigami.plot.undeformed import plot_mesh, plot_model, plot_sheet
 
-__all__ = ["animate", "plot_curve", "plot_mesh", "plot_model", "plot_open_area", "plot_results", "plot_sheet"]
+__all__ = [
+    "animate",
+    "plot_curve",
+    "plot_energy_shares",
+    "plot_measure",
+    "plot_mesh",
+    "plot_model",
+    "plot_open_area",
+    "plot_results",
+    "plot_sheet",
+]

@@ -74,7 +74,8 @@ def curvature(positions: ArrayLike, mesh: TriMesh, kind: str = "mean", per: str 
     """
     points = checked_positions(positions, "curvature", len(mesh.nodes))
     if kind not in KINDS or per not in ("facet", "node"):
-        raise ModelError(f"curvature: kind must be one of {', '.join(KINDS)}, per 'facet' or 'node'; got {kind!r}, {per!r}")
+        known = ", ".join(KINDS)
+        raise ModelError(f"curvature: kind must be one of {known}, per 'facet' or 'node'; got {kind!r}, {per!r}")
     if np.ptp(mesh.nodes[:, 2]) > FLAT * mesh.size:
         raise ModelError("curvature: the drawing must be flat and level, but the nodes of the mesh differ in z")
     components = _Fit(mesh).components(points)

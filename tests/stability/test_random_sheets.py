@@ -56,7 +56,7 @@ def test_the_count_of_parts_is_right(sheets):
 def test_a_wrong_step_would_be_seen(sheets):
     """The second residual agrees with the stored one to the digits that count, and grows where a step is spoilt."""
     outline, cuts, _ = sheets.drawing(1)
-    mesh = sheets.mesh_of(outline, cuts[:3], 60, 220, 100)
+    mesh = sheets.mesh_of(outline, cuts[:3], 50, 150, 100)
     m = kg.Model.from_mesh(mesh)
     x, y, _ = m.positions().T
     m.perturb(1e-4 * np.sin(np.pi * y / y.max()) * (1 + x))

@@ -1,0 +1,228 @@
+"""Downhill correctors at a given load factor: they end in a stable equilibrium or not at all.
+
+Where Newton's method meets an indefinite tangent, it heads for a saddle or nowhere. Here the tangent of every
+iteration is made positive definite first, by one of two means, and only as far as it takes for no pivot to be negative:
+
+* ``"fade"``: the part of the Hessian that can make it indefinite (compression in bars, moments in hinges) is faded
+  out. Only members under compression become stiffer, so soft motions elsewhere stay free.
+* ``"shift"``: a multiple of the lumped mass is added. This is one backward Euler step of a viscous motion, that is
+  pseudo-transient continuation (Kelley and Keyes, SIAM J. Numer. Anal. 35 (1998)); the shift is one over the time step.
+
+With no negative pivot the iteration is Newton's, with the mixed stress and the cap on rotations of
+:mod:`kirigami.analysis.newton`, so nothing is lost on smooth parts of the path. After each factorisation a few more
+corrections use the same factor (chord steps) as long as the residual falls well: they cost a twentieth of it.
+An equilibrium found is tested with the exact tangent, and left along its softest mode if it is unstable.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from kirigami.analysis.newton import ROTATION_CAP
+from kirigami.analysis.state import Attempt, State
+from kirigami.kernel import Array
+from kirigami.linalg import Factor, SingularMatrixError
+from kirigami.system import System
+
+CHORD_GAIN = 0.5  # a chord step must at least halve the residual to be kept
+PUSH = 0.05  # turn of a member by which an unstable equilibrium is pushed off along its mode [rad]
+
+
+@dataclass(frozen=True)
+class Strategy:
+    """How an increment is carried to a stable equilibrium.
+
+    Attributes
+    ----------
+    newton_first : bool
+        Try Newton's method at shorter and shorter increments before a descent.
+    means : {"fade", "shift"}
+        How the tangent is made positive definite.
+    least, most : float
+        Smallest and largest amount; for ``"shift"`` relative to the median diagonal of the stiffness.
+    growth, decay : float
+        Factors of the amount, after a factorisation with a negative pivot and after an iteration without one.
+    many : int
+        With more negative pivots than this, the largest amount is taken at once.
+    chords : int
+        Most corrections with an old factor.
+    turn : float
+        Largest turn of a member in a prediction [rad].
+    cuts : int
+        Shorter increments tried before the hard way: a descent after Newton's method, or one that moves only what is
+        driven where the prediction turns members too far.
+    least_growth, growth_after_snap : float
+        Least factor from an increment to the next, and the factor where the descent led far off.
+    """
+
+    newton_first: bool = False
+    means: str = "fade"
+    least: float = 0.05
+    most: float = 1.0
+    growth: float = 4.0
+    decay: float = 3.0
+    many: int = 20
+    chords: int = 2
+    turn: float = 1.0
+    cuts: int = 1
+    least_growth: float = 0.9
+    growth_after_snap: float = 1.5
+
+
+CORRECTORS = {
+    "newton": Strategy(newton_first=True, least=0.02, growth=3.0, decay=1.5, many=10**9, chords=0, turn=0.5, cuts=3,
+                       least_growth=0.5, growth_after_snap=1.0),
+    "descent": Strategy(),
+    "viscous": Strategy(means="shift", least=1e-6, most=1e3, growth=10.0, decay=3.0, many=10**9),
+}
+
+
+def descend(
+    system: System,
+    factorize: Callable[[Array], Factor],
+    start: State,
+    tol: float,
+    max_iterations: int,
+    strategy: Strategy,
+    on_iteration: Callable[[], None] = lambda: None,
+) -> Attempt:
+    """Iterate downhill from `start`, at its load factor, to a stable equilibrium."""
+    try:
+        return _Descent(system, factorize, start, tol, strategy).run(max_iterations, on_iteration)
+    finally:
+        system.linearize(None)
+        system.convexity = 0.0
+
+
+class _Descent:
+    """State of one descent: unknowns, residual, and the amount by which the tangent is made positive definite."""
+
+    def __init__(
+        self, system: System, factorize: Callable[[Array], Factor], start: State, tol: float, strategy: Strategy
+    ) -> None:
+        self.system, self.factorize, self.tol, self.strategy = system, factorize, tol, strategy
+        self.q, self.lam, self.u = start.q.copy(), start.lam, start.u
+        self.amount = 0.0
+        self.history: list[float] = []
+        self.left: tuple[State, Array, Factor] | None = None
+        self._unit: Array | None = None
+        self._balance()
+
+    def run(self, max_iterations: int, on_iteration: Callable[[], None]) -> Attempt:
+        for iteration in range(max_iterations + 1):
+            self.history.append(self.relative)
+            if not np.isfinite(self.relative):
+                return self._attempt(iteration, "a member collapsed (forces are not finite)")
+            try:
+                if self.relative <= self.tol:
+                    blocks, factor = self._exact()
+                    if factor.negative == 0:
+                        found = self._attempt(iteration)
+                        found.stiffness = blocks, factor
+                        return found
+                    if self.left is None:
+                        self.left = State(self.q, self.lam, self.u), blocks, factor
+                    self._move(self._push(factor))
+                    self._balance()
+                elif iteration < max_iterations:
+                    self._iterate()
+            except SingularMatrixError as error:
+                return self._attempt(iteration, str(error))
+            on_iteration()
+        return self._attempt(max_iterations, "too many iterations")
+
+    def _iterate(self) -> None:
+        """One step with a positive definite tangent, and chord steps after it."""
+        factor = self._positive_factor()
+        step = self._solve(factor)
+        change = self._change(step)
+        turn = self.system.largest_rotation(change)
+        if not np.isfinite(turn):
+            raise SingularMatrixError("the correction is not finite")
+        if turn > ROTATION_CAP:
+            step, change = (ROTATION_CAP / turn) * step, (ROTATION_CAP / turn) * change
+        self.system.linearize(self.u, change)
+        self._move(step)
+        self._balance()
+        for _ in range(self.strategy.chords):
+            if not self.tol < self.relative < 0.1 or not self._chord(factor):
+                break
+        strategy = self.strategy
+        self.amount = self.amount / strategy.decay if self.amount > 0.25 * strategy.least else 0.0
+
+    def _positive_factor(self) -> Factor:
+        """Factor of the tangent with just enough done to it for no pivot to be negative."""
+        strategy = self.strategy
+        factor = self.factorize(self._blocks())
+        while factor.negative and self.amount < strategy.most:
+            grown = max(self.amount * strategy.growth, strategy.least)
+            self.amount = strategy.most if factor.negative > strategy.many else min(grown, strategy.most)
+            factor = self.factorize(self._blocks())
+        return factor
+
+    def _blocks(self) -> Array:
+        if self.strategy.means == "fade":
+            self.system.convexity = self.amount
+            return self.system.stiffness_blocks(self.u, self.lam)
+        blocks = self.system.stiffness_blocks(self.u, self.lam)
+        plan = self.system.plan
+        own = np.flatnonzero(plan.low == plan.high)
+        axes = np.arange(self.system.dim)
+        diagonal = blocks[axes[:, None], axes[:, None], own]
+        if self._unit is None:
+            self._unit = np.full(len(own), float(np.median(np.abs(diagonal))))
+        blocks[axes[:, None], axes[:, None], own] = diagonal + self.amount * self._unit
+        return blocks
+
+    def _chord(self, factor: Factor) -> bool:
+        """A correction with an old factor, kept where it lowers the residual well."""
+        step = self._solve(factor)
+        change = self._change(step)
+        if not self.system.largest_rotation(change) < ROTATION_CAP:
+            return False
+        with np.errstate(all="ignore"):
+            residual, relative = self.system.imbalance(self.u + change, self.lam)
+        if not relative < CHORD_GAIN * self.relative:
+            return False
+        self.system.linearize(self.u, change)
+        self._move(step)
+        self.residual, self.relative = residual, relative
+        return True
+
+    def _exact(self) -> tuple[Array, Factor]:
+        """The exact tangent and its factor."""
+        self.system.linearize(None)
+        self.system.convexity = 0.0
+        blocks = self.system.stiffness_blocks(self.u, self.lam)
+        return blocks, self.factorize(blocks)
+
+    def _push(self, factor: Factor) -> Array:
+        """A small move along the mode nearest to neutral, by inverse iteration; its largest entry is positive."""
+        mode = np.random.default_rng(0).normal(size=self.system.free)
+        for _ in range(8):
+            mode = factor.solve(mode)
+            mode /= np.abs(mode).max()
+        mode *= np.sign(mode[np.argmax(np.abs(mode))])
+        return mode * (PUSH / self.system.largest_rotation(self._change(mode)))
+
+    def _balance(self) -> None:
+        with np.errstate(all="ignore"):
+            self.residual, self.relative = self.system.imbalance(self.u, self.lam)
+
+    def _solve(self, factor: Factor) -> Array:
+        with self.system.clock("solve"):
+            return -factor.solve(self.residual)
+
+    def _change(self, step: Array) -> Array:
+        return self.system.displacement(self.q + step, self.lam) - self.u
+
+    def _move(self, step: Array) -> None:
+        self.q = self.q + step
+        self.u = self.system.displacement(self.q, self.lam)
+
+    def _attempt(self, iteration: int, reason: str = "") -> Attempt:
+        state = State(self.q, self.lam, self.u)
+        return Attempt(state, not reason, self.relative, iteration, self.history, reason, left_at=self.left)

@@ -1,0 +1,286 @@
+"""The facet: a triangle of sheet that stretches as one and bends against its neighbours, without further unknowns.
+
+* Membrane: the Green strains e of the three edges determine the strain of the facet, energy
+  (A t / 2) e' N^-T C N^-1 e; see :mod:`kirigami.elements.triangle`. Uniform strain is exact for any Poisson ratio on
+  any mesh: three bars coupled by a 3 x 3 matrix.
+* Bending: the fold angles theta of the three edges, each shared with the neighbour in the ratio of the areas, give
+  the curvature of the facet, (kxx, kyy, 2 kxy) = sum over edges of L / (A + A') theta (n_x^2, n_y^2, 2 n_x n_y) with
+  n across the edge; energy (A / 2) kappa' D_b kappa. Cylinders along mesh lines are exact, spheres and saddles cost
+  what they should, which single hinges get wrong by their Poisson ratio of -1/3.
+* A free or cut edge has no fold angle. It carries no moment either, so its angle is eliminated by that condition.
+
+On irregular meshes the mean curvature is right within some percent, not in the limit: see ``CurvedFacet`` for that.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kirigami.elements.bend_hinge import BendHingeKernel
+from kirigami.elements.triangle import (
+    ENDS,
+    STARTS,
+    edge_vectors,
+    flat_edges,
+    plane_stress,
+    strain_from_edges,
+    without_compression,
+)
+from kirigami.errors import ModelError
+from kirigami.kernel import Array, Contribution, Kernel, displacement_of
+from kirigami.model import Material, ModelObject, Node, Numbering, require_positive
+
+DEGENERATE = 1e-10  # least height of a facet over its longest edge
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Facet(ModelObject):
+    """Triangle of an elastic sheet that stretches, and bends against its neighbours.
+
+    Parameters
+    ----------
+    i, j, k : Node
+        Corners, counter-clockwise seen from the side towards which fold angles are positive.
+    thickness : float
+        Sheet thickness [length].
+    material : Material
+        Elastic constants.
+    neighbours : tuple of three Nodes or None
+        Far corner of the facet across the edge opposite i, opposite j and opposite k; None where the edge is free.
+
+    Raises
+    ------
+    ModelError
+        A repeated corner, a neighbour that is a corner, a thickness that is not positive.
+
+    Examples
+    --------
+    >>> import kirigami as kg
+    >>> m = kg.Model()
+    >>> a, b, c, d = m.add(kg.Node(0, 0), kg.Node(1, 0), kg.Node(1, 1), kg.Node(0, 1))
+    >>> steel = kg.Material(E=2e11, nu=0.3)
+    >>> facets = m.add(
+    ...     kg.Facet(a, b, c, 0.001, steel, neighbours=(None, d, None)),
+    ...     kg.Facet(a, c, d, 0.001, steel, neighbours=(None, None, b)),
+    ... )
+    >>> print(m)
+    Model in 3D: 4 nodes, 2 Facet
+    """
+
+    kind: ClassVar[str] = "element"
+    i: Node
+    j: Node
+    k: Node
+    thickness: float
+    material: Material
+    neighbours: tuple[Node | None, Node | None, Node | None] = (None, None, None)
+
+    def __post_init__(self) -> None:
+        corners = (self.i, self.j, self.k)
+        if len({id(corner) for corner in corners}) < 3:
+            raise ModelError(f"Facet on {corners}: the three corners must differ")
+        if len(self.neighbours) != 3 or any(node is corner for node in self.neighbours for corner in corners):
+            raise ModelError(f"Facet on {corners}: neighbours must be three nodes or None, none of them a corner")
+        object.__setattr__(self, "thickness", require_positive(self.thickness, "thickness", "Facet"))
+
+    @property
+    def nodes(self) -> tuple[Node, ...]:
+        """Corners, then the neighbours there are."""
+        return (self.i, self.j, self.k) + tuple(node for node in self.neighbours if node is not None)
+
+    @classmethod
+    def lower(cls, objects: Sequence[Facet], numbering: Numbering) -> list[Kernel]:
+        corners = numbering.index(node for facet in objects for node in facet.nodes[:3]).reshape(-1, 3)
+        edges = edge_vectors(numbering.rest, corners)
+        _, area = flat_edges(edges)
+        bad = np.flatnonzero(~(area > 0.5 * DEGENERATE * (edges**2).sum(axis=2).max(axis=1)))
+        if bad.size:
+            first = ", ".join(numbering.describe(node) for node in objects[int(bad[0])].nodes[:3])
+            raise ModelError(f"{bad.size} Facet(s) without area, the first on {first}: remove or remesh them")
+        groups: dict[int, list[int]] = {}
+        for position, facet in enumerate(objects):
+            groups.setdefault(len(facet.nodes), []).append(position)
+        kernels: list[Kernel] = []
+        for _, positions in sorted(groups.items()):
+            chosen = [objects[position] for position in positions]
+            bends = np.array([[node is not None for node in facet.neighbours] for facet in chosen])
+            thickness = np.array([facet.thickness for facet in chosen])
+            E = np.array([facet.material.E for facet in chosen])
+            nu = np.array([facet.material.nu for facet in chosen])
+            conn = numbering.connectivity(chosen)
+            kernels.append(FacetKernel(numbering.rest, conn, bends, thickness, E, nu, np.array(positions)))
+        return kernels
+
+
+class FacetKernel(Kernel):
+    """All facets with one number of neighbours; see the module's text for the formulas.
+
+    Local nodes: three corners, then the neighbours across those edges that `bends` (n, 3) marks, in their order.
+    """
+
+    name = "facets"
+
+    def __init__(
+        self,
+        rest: Array,
+        conn: NDArray[np.int64],
+        bends: NDArray[np.bool_],
+        thickness: Array,
+        E: Array,
+        nu: Array,
+        members: NDArray[np.int64] | None = None,
+    ) -> None:
+        self.rest, self.members = rest, members
+        self.thickness, self.E, self.nu = thickness, E, nu
+        dim = rest.shape[1]
+        self._given, self.bends = conn, bends
+        self.conn = conn if dim == 3 else conn[:, :3]
+        self._rest_edges = edge_vectors(rest, conn)
+        flat, self.area = flat_edges(self._rest_edges)
+        self._square = (flat**2).sum(axis=2)
+        self._to_strain = strain_from_edges(flat)
+        elasticity = np.array([plane_stress(value) for value in np.unique(nu)])[np.unique(nu, return_inverse=True)[1]]
+        elasticity *= E[:, None, None]
+        self._membrane = self._to_strain.transpose(0, 2, 1) @ (
+            elasticity * (thickness * self.area)[:, None, None]
+        ) @ self._to_strain
+        self._force_ahead: Array | None = None
+        self.hinge_facet, self.hinge_edge = np.nonzero(bends & (dim == 3))
+        self._hinges: BendHingeKernel | None = None
+        if self.hinge_facet.size:
+            f, c = self.hinge_facet, self.hinge_edge
+            starts, ends = np.array(STARTS)[c], np.array(ENDS)[c]
+            wing = 2 + np.cumsum(bends, axis=1)[f, c]
+            self._places = np.stack([c, starts, ends, wing], axis=1)  # local nodes of each hinge
+            lines = conn[f[:, None], self._places]
+            ones = np.ones(len(f))
+            self._hinges = BendHingeKernel(rest, lines, ones, np.full(len(f), np.nan))
+            neighbour = rest[lines[:, [1, 2, 3]]]
+            across = np.zeros((len(conn), 3))
+            across[f, c] = 0.5 * np.linalg.norm(
+                np.cross(neighbour[:, 1] - neighbour[:, 0], neighbour[:, 2] - neighbour[:, 0]), axis=1
+            )
+            self._bending = self._bending_matrix(flat, across, elasticity * (thickness**3 / 12)[:, None, None])
+
+    def _bending_matrix(self, flat: Array, across: Array, rigidity: Array) -> Array:
+        """Energy matrix (n, 3, 3) of the fold angles, those of free edges eliminated."""
+        length = np.sqrt(self._square)
+        normal = np.stack([flat[..., 1], -flat[..., 0]], axis=-1) / length[..., None]
+        columns = np.stack(
+            [normal[..., 0] ** 2, normal[..., 1] ** 2, 2 * normal[..., 0] * normal[..., 1]], axis=1
+        )
+        columns *= (length / (self.area[:, None] + across))[:, None]
+        matrix = columns.transpose(0, 2, 1) @ rigidity @ columns * self.area[:, None, None]
+        for c in range(3):  # no moment at a free edge: static condensation, one edge after the other
+            free = np.flatnonzero(~self.bends[:, c])
+            row = matrix[free, c]
+            pivot = row[:, c]
+            full = pivot > 1e-12 * np.abs(matrix[free]).max(axis=(1, 2), initial=0.0)
+            share = np.where(full[:, None], row / np.where(full, pivot, 1.0)[:, None], 0.0)
+            matrix[free] -= share[:, :, None] * row[:, None]
+            matrix[free, c], matrix[free, :, c] = 0.0, 0.0
+        return matrix
+
+    def arrays(self) -> dict[str, Any]:
+        names = ("bends", "thickness", "E", "nu", "members")
+        return {"conn": self._given} | {name: getattr(self, name) for name in names}
+
+    @property
+    def history(self) -> Array | None:
+        return None if self._hinges is None else self._hinges.history
+
+    @history.setter
+    def history(self, value: Array | None) -> None:
+        if self._hinges is not None:
+            self._hinges.history = value
+
+    def commit(self, x: Array) -> None:
+        if self._hinges is not None:
+            self._hinges.commit(x)
+
+    def _stretch(self, x: Array) -> tuple[Array, Array]:
+        """Edge vectors (n, 3, dim) and their Green strains (n, 3)."""
+        change = edge_vectors(displacement_of(x, self.rest), self._given)
+        strain = ((self._rest_edges + 0.5 * change) * change).sum(axis=2) / self._square
+        return self._rest_edges + change, strain
+
+    def deformation(self, x: Array) -> Array:
+        """Strain of each facet (n, 3): (exx, eyy, gamma_xy), the first axis along the edge from corner i to j."""
+        return np.asarray(np.einsum("nac,nc->na", self._to_strain, self._stretch(x)[1]))
+
+    def fold_angles(self, x: Array) -> Array:
+        """Change (n, 3) of the fold angle of each edge against rest [rad]; 0 where the edge is free."""
+        angles = np.zeros((len(self.conn), 3))
+        if self._hinges is not None:
+            angles[self.hinge_facet, self.hinge_edge] = self._hinges.deformation(x) - self._hinges.rest_angle
+        return angles
+
+    def linearize(self, x: Array, change: Array | None) -> None:
+        if change is None:
+            self._force_ahead = None
+            return
+        edges, strain = self._stretch(x)
+        rate = np.einsum("nca,nca->nc", edges, edge_vectors(change, self._given)) / self._square
+        self._force_ahead = np.einsum("ncd,nd->nc", self._membrane, strain + rate)
+
+    def evaluate(self, x: Array, lam: float = 1.0, need: int = 2) -> Contribution:
+        edges, strain = self._stretch(x)
+        n, dim = len(edges), edges.shape[2]
+        nodes = self.conn.shape[1]
+        force = np.einsum("ncd,nd->nc", self._membrane, strain)
+        energy = 0.5 * (force * strain).sum(axis=1)
+        moment = np.zeros((n, 3))
+        if self._hinges is not None:
+            angles = self.fold_angles(x)
+            moment = np.einsum("ncd,nd->nc", self._bending, angles)
+            energy += 0.5 * (moment * angles).sum(axis=1)
+        if need == 0:
+            return Contribution(energy)
+        # First derivatives of the half squared lengths and, in three dimensions, of the fold angles.
+        chain = np.zeros((n, 3 if self._hinges is None else 6, nodes, dim))
+        for c, (a, b) in enumerate(zip(STARTS, ENDS)):
+            chain[:, c, b], chain[:, c, a] = edges[:, c], -edges[:, c]
+        if self._hinges is not None:
+            vectors = self._hinges.vectors(x)
+            wings, turn = self._hinges.first_derivatives(*vectors)
+            f, c = self.hinge_facet, self.hinge_edge
+            chain[f[:, None], 3 + c[:, None], self._places] = turn.transpose(2, 1, 0)
+        pull = force / self._square
+        generalized = np.concatenate([pull, moment], axis=1)[:, : chain.shape[1]]
+        gradient = np.einsum("nz,nzka->nka", generalized, chain)
+        if need == 1:
+            return Contribution(energy, gradient)
+        if self._force_ahead is not None:
+            force = self._force_ahead
+        if self.convexity:
+            force = force + self.convexity * (without_compression(force, self._to_strain) - force)
+        pull = force / self._square
+        inner = np.zeros((n, chain.shape[1], chain.shape[1]))
+        inner[:, :3, :3] = self._membrane / (self._square[:, :, None] * self._square[:, None])
+        if self._hinges is not None:
+            inner[:, 3:, 3:] = self._bending
+        rows = chain.reshape(n, -1, nodes * dim)
+        hessian = (rows.transpose(0, 2, 1) @ inner @ rows).reshape(n, nodes, dim, nodes, dim)
+        hessian = hessian.transpose(0, 1, 3, 2, 4).copy()
+        eye = np.eye(dim)
+        for edge, (a, b) in enumerate(zip(STARTS, ENDS)):
+            block = pull[:, edge, None, None] * eye
+            for p, q, sign in ((a, a, 1), (b, b, 1), (a, b, -1), (b, a, -1)):
+                hessian[:, p, q] += sign * block
+        if self._hinges is not None:
+            curved = np.zeros((3, 3, len(self._hinges.pairs), f.size))
+            self._hinges.add_second_derivatives(curved, (1 - self.convexity) * moment[f, c], vectors[0], wings)
+            for slot, (p, q) in enumerate(self._hinges.pairs):
+                block = curved[:, :, slot].transpose(2, 0, 1)
+                for edge in range(3):  # a facet has one hinge on an edge, so no entry is hit twice
+                    on = c == edge
+                    first, second = self._places[on, p], self._places[on, q]
+                    hessian[f[on], first, second] += block[on]
+                    if p != q:
+                        hessian[f[on], second, first] += block[on].transpose(0, 2, 1)
+        return Contribution(energy, gradient, hessian)

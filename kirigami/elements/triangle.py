@@ -1,0 +1,65 @@
+"""What the facet elements share: a triangle laid out flat, and strain from the stretch of its edges.
+
+Edge c of a facet runs from corner c + 1 to corner c + 2, opposite corner c. With its flat vector y_c and the rows
+(y_1^2, y_2^2, y_1 y_2) / |y|^2, three edge strains determine the strain (exx, eyy, gamma_xy) of the facet, and three
+bars coupled by the plane-stress matrix are a constant-strain triangle in natural strains (Argyris, 1964).
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kirigami.kernel import Array
+
+STARTS, ENDS = (1, 2, 0), (2, 0, 1)  # corners that edge c leaves from and goes to
+
+
+def edge_vectors(points: Array, conn: NDArray[np.int64]) -> Array:
+    """Vectors (n, 3, dim) of the three edges of the facets whose corners are the first three columns of `conn`."""
+    corners = points[conn[:, :3]]
+    vectors: Array = corners[:, ENDS] - corners[:, STARTS]
+    return vectors
+
+
+def flat_edges(edges: Array) -> tuple[Array, Array]:
+    """Edge vectors (n, 3, 2) of each triangle laid out in its plane, edge 2 along the first axis, and areas (n,)."""
+    along = edges[:, 2]
+    length = np.linalg.norm(along, axis=1)
+    side = -edges[:, 1]  # from corner 0 to corner 2
+    foot = np.einsum("na,na->n", side, along) / length
+    height = np.linalg.norm(side - (foot / length)[:, None] * along, axis=1)
+    zero = np.zeros_like(length)
+    first = np.stack([length, zero], axis=1)
+    second = np.stack([foot, height], axis=1)
+    return np.stack([second - first, -second, first], axis=1), 0.5 * length * height
+
+
+def plane_stress(nu: float) -> Array:
+    """Plane-stress matrix (3, 3) over E, for strains (exx, eyy, gamma_xy)."""
+    return np.array([[1, nu, 0], [nu, 1, 0], [0, 0, (1 - nu) / 2]]) / (1 - nu**2)
+
+
+def strain_from_edges(flat: Array) -> Array:
+    """Matrices (n, 3, 3) that turn edge strains into (exx, eyy, gamma_xy)."""
+    x, y = flat[..., 0], flat[..., 1]
+    rows = np.stack([x * x, y * y, x * y], axis=-1) / (x * x + y * y)[..., None]
+    return np.asarray(np.linalg.inv(rows))
+
+
+def without_compression(force: Array, to_strain: Array) -> Array:
+    """Edge forces (n, 3) of the facet tensions that remain when compressive principal stresses are dropped.
+
+    `force` holds the derivatives of the membrane energy by the edge strains, `to_strain` is from
+    :func:`strain_from_edges`. Clamping the tensor instead of each edge leaves harmless compression of single edges.
+    """
+    resultant = np.einsum("nca,nc->na", np.linalg.inv(to_strain), force)
+    mean = 0.5 * (resultant[:, 0] + resultant[:, 1])
+    half = 0.5 * (resultant[:, 0] - resultant[:, 1])
+    shear = resultant[:, 2]
+    radius = np.hypot(half, shear)
+    high, low = np.maximum(mean + radius, 0.0), np.maximum(mean - radius, 0.0)
+    turn = 0.5 * (high - low) / np.where(radius > 0, radius, 1.0)
+    centre = 0.5 * (high + low)
+    kept = np.stack([centre + turn * half, centre - turn * half, turn * shear], axis=1)
+    return np.asarray(np.einsum("nac,na->nc", to_strain, kept))

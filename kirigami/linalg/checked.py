@@ -1,0 +1,127 @@
+"""What every back end shares: the interface, a checked and refined solution, and the way out by pivoting."""
+
+from __future__ import annotations
+
+from typing import Any, Protocol
+
+import numpy as np
+
+from kirigami.errors import KirigamiError
+from kirigami.kernel import Array
+
+REFINE_ABOVE = 1e-10  # residual over right-hand side that calls for a step of refinement
+PIVOT_ABOVE = 1e-6  # ... and for a new factorisation with pivoting
+SINGULAR_ABOVE = 1e-3  # ... and shows, after that, that nothing helps
+
+
+class SingularMatrixError(KirigamiError):
+    """The matrix has no usable factorisation."""
+
+
+class Factor(Protocol):
+    """A factorised symmetric matrix."""
+
+    backend: str
+
+    @property
+    def negative(self) -> int:
+        """Number of negative eigenvalues."""
+        ...
+
+    def solve(self, rhs: Array) -> Array:
+        """Solution for one right-hand side (n,)."""
+        ...
+
+
+class Solver(Protocol):
+    """A back end: factorises one matrix after another, and may keep what depends on their pattern alone."""
+
+    def factorize(self, matrix: Any) -> Factor: ...
+
+
+class NothingToSolve:
+    """Factor of a matrix without rows: every displacement is prescribed."""
+
+    backend = "none"
+    negative = 0
+
+    def solve(self, rhs: Array) -> Array:
+        return np.zeros_like(rhs)
+
+
+class CheckedFactor:
+    """Base of all factors: a subclass applies its inverse, this class checks and refines what comes out.
+
+    No back end exchanges rows as freely as stability asks for, because free exchange costs speed. So every solution is
+    held against the matrix, refined once where it needs it, and done again with full pivoting where it is bad.
+    """
+
+    backend = ""
+
+    def __init__(self, matrix: Any) -> None:
+        self.matrix = matrix
+        self._pivoting: Any = None
+
+    @property
+    def negative(self) -> int:
+        """Number of negative eigenvalues."""
+        raise NotImplementedError
+
+    def _apply(self, rhs: Array) -> Array:
+        """The inverse times one right-hand side, unchecked."""
+        raise NotImplementedError
+
+    def solve(self, rhs: Array) -> Array:
+        """Solution for one right-hand side (n,)."""
+        size = np.linalg.norm(rhs)
+        if size == 0:
+            return np.zeros_like(rhs)
+        if self._pivoting is None:
+            with np.errstate(all="ignore"):
+                refined, error = self._refined(rhs, REFINE_ABOVE * size)
+            if error <= PIVOT_ABOVE * size:
+                return refined
+            self.negative  # counted before the factor that tells it is replaced  # noqa: B018
+            self._pivoting = factorize_with_pivoting(self.matrix)
+        solution: Array = self._pivoting.solve(rhs)
+        if not np.linalg.norm(rhs - self.matrix @ solution) <= SINGULAR_ABOVE * size:
+            raise SingularMatrixError("the stiffness matrix is singular to working precision")
+        return solution
+
+    def _refined(self, rhs: Array, enough: float) -> tuple[Array, float]:
+        """A solution and the size of its residual, after one step of refinement if that helps."""
+        solution = self._apply(rhs)
+        residual = rhs - self.matrix @ solution
+        error = float(np.linalg.norm(residual))
+        if error > enough:
+            refined = solution + self._apply(residual)
+            refined_error = float(np.linalg.norm(rhs - self.matrix @ refined))
+            if refined_error < error:
+                return refined, refined_error
+        return solution, error
+
+
+def factorize_with_pivoting(matrix: Any) -> Any:
+    """SuperLU with exchange of rows; raises SingularMatrixError where that fails as well."""
+    from scipy.sparse.linalg import splu
+
+    try:
+        return splu(matrix, permc_spec="COLAMD")
+    except RuntimeError as error:
+        raise SingularMatrixError(f"the stiffness matrix is singular ({error})") from None
+
+
+class PatternCache:
+    """Remembers the pattern of the last matrix, so that what depends on it alone is worked out once."""
+
+    def __init__(self) -> None:
+        self._indices: Any = None
+        self._indptr: Any = None
+
+    def knows(self, matrix: Any) -> bool:
+        """Whether the matrix (CSC) has the pattern of the last one; remembers it otherwise."""
+        same = matrix.indices is self._indices and matrix.indptr is self._indptr
+        if not same and self._indices is not None and len(matrix.indices) == len(self._indices):
+            same = np.array_equal(matrix.indptr, self._indptr) and np.array_equal(matrix.indices, self._indices)
+        self._indices, self._indptr = matrix.indices, matrix.indptr
+        return same

@@ -1,0 +1,267 @@
+"""Multifrontal factorisation on dense blocks: Cholesky where a block is positive definite, L D L' where it is not.
+
+The matrix is taken apart by nested dissection into fronts (see :mod:`kirigami.linalg.dissection`). Each front gathers
+its entries of the matrix and what its children left over, eliminates its own unknowns F11,
+
+    [F11 F21']      [F22 - F21 F11^-1 F21'] goes to the parent,
+    [F21 F22 ]
+
+and nearly all work is done by dense LAPACK and BLAS (Duff and Reid, ACM Trans. Math. Softw. 9 (1983)). The negative
+eigenvalues of the matrix are those of the blocks F11 together (Haynsworth, Linear Algebra Appl. 1 (1968)). Exchange of
+rows is possible inside a front only, so solutions are checked.
+
+Blocks are kept as C-ordered arrays of which entry [column, row] with row >= column counts: the lower triangle of the
+Fortran order that LAPACK wants. The other triangle holds nothing of use.
+"""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kirigami.kernel import Array
+from kirigami.linalg.checked import (
+    PIVOT_ABOVE,
+    CheckedFactor,
+    Factor,
+    NothingToSolve,
+    PatternCache,
+    SingularMatrixError,
+)
+from kirigami.linalg.dissection import Fronts, Index, dissect
+from kirigami.linalg.superlu import SuperLUFactor
+
+AMPLIFIED = 1e4  # displacements of a front per displacement of its border that are no lever any more
+
+Slices = tuple[slice, slice]
+Transfer = list[tuple[int, Slices, Slices]]  # which block of the parent, where there, from where in the child's block
+
+
+class Multifrontal:
+    """The dissection, and where every entry goes, are found once for matrices that share their pattern."""
+
+    def __init__(self) -> None:
+        self._pattern = PatternCache()
+        self._plan: FrontPlan | None = None
+
+    def factorize(self, matrix: Any) -> Factor:
+        """Factor a symmetric CSC matrix; raises SingularMatrixError where that is impossible also with pivoting."""
+        if matrix.shape[0] == 0:
+            return NothingToSolve()
+        if not self._pattern.knows(matrix) or self._plan is None:
+            self._plan = FrontPlan(matrix, dissect(matrix))
+        try:
+            return MultifrontalFactor(matrix, self._plan)
+        except SingularMatrixError:
+            return SuperLUFactor(matrix)  # may exchange rows between fronts
+
+
+class FrontPlan:
+    """Where the entries of a matrix, and the left-overs of the fronts, belong.
+
+    All pivot blocks F11 and border blocks F21 lie one after the other in one array, the factor's.
+    """
+
+    def __init__(self, matrix: Any, fronts: Fronts) -> None:
+        self.fronts = fronts
+        count = len(fronts.parent)
+        self.pivots = np.diff(fronts.starts)
+        self.border = np.array([len(border) for border in fronts.borders], dtype=np.int64)
+        sizes = np.stack([self.pivots**2, self.pivots * self.border], axis=1)
+        self.offsets = np.append(0, np.cumsum(sizes))
+        self.size = int(self.offsets[-1])
+        self.taken, self.places = self._entries(matrix)
+        self.children: list[list[int]] = [[] for _ in range(count)]
+        for child, parent in enumerate(fronts.parent.tolist()):
+            if parent >= 0:
+                self.children[parent].append(child)
+        self.transfers = [self._transfer(f) for f in range(count)]
+
+    def _entries(self, matrix: Any) -> tuple[Index, Index]:
+        """Which entries of the matrix are taken (the lower triangle in the new order), and their places."""
+        fronts = self.fronts
+        n = len(fronts.order)
+        number = np.empty(n, dtype=np.int64)
+        number[fronts.order] = np.arange(n)
+        row, column = number[matrix.indices], np.repeat(number, np.diff(matrix.indptr))
+        taken = np.flatnonzero(row >= column)
+        row, column = row[taken], column[taken]
+        front = np.searchsorted(fronts.starts, column, side="right") - 1
+        start, pivots, border = fronts.starts[front], self.pivots[front], self.border[front]
+        inner = row < start + pivots
+        where = self.offsets[2 * front] + (column - start) * pivots + row - start
+        # Rows on the border: their rank in the sorted list of all (front, border row).
+        outer = np.flatnonzero(~inner)
+        listed = np.concatenate(fronts.borders) if fronts.borders else np.empty(0, dtype=np.int64)
+        codes = np.repeat(np.arange(len(fronts.parent)), self.border) * n + listed
+        wanted = front[outer] * n + row[outer]
+        rank = np.searchsorted(codes, wanted)
+        assert np.array_equal(codes[np.minimum(rank, len(codes) - 1)], wanted) if len(outer) else True
+        rank -= (np.cumsum(self.border) - self.border)[front[outer]]
+        where[outer] = self.offsets[2 * front[outer] + 1] + (column - start)[outer] * border[outer] + rank
+        return taken, where
+
+    def _transfer(self, child: int) -> Transfer:
+        """How the left-over of a front adds to the blocks of its parent, stretch by stretch."""
+        fronts, parent = self.fronts, int(self.fronts.parent[child])
+        if parent < 0:
+            return []
+        border = fronts.borders[child]
+        start, end = fronts.starts[parent], fronts.starts[parent + 1]
+        inner = int(np.searchsorted(border, end))
+        place = np.concatenate([border[:inner] - start, np.searchsorted(fronts.borders[parent], border[inner:])])
+        breaks = np.diff(place) != 1
+        if 0 < inner < len(border):
+            breaks[inner - 1] = True
+        begins = np.append(0, np.flatnonzero(breaks) + 1).tolist()
+        ends = [*begins[1:], len(border)]
+        stretches = [
+            (slice(a, b), slice(int(place[a]), int(place[a]) + b - a), a >= inner) for a, b in zip(begins, ends)
+        ]
+        return [
+            (int(column_outer) + int(row_outer), (column_to, row_to), (column_from, row_from))
+            for k, (column_from, column_to, column_outer) in enumerate(stretches)
+            for row_from, row_to, row_outer in stretches[k:]
+        ]
+
+
+class _Buffers:
+    """Square blocks that are used over and over, because fresh memory costs as much as filling it."""
+
+    def __init__(self) -> None:
+        self._free: dict[int, list[Array]] = {}
+
+    def take(self, n: int) -> tuple[Array, Array]:
+        """A buffer, and an (n, n) view of it with any finite content."""
+        length = 1 << max(n * n - 1, 1).bit_length()
+        waiting = self._free.get(length)
+        buffer = waiting.pop() if waiting else np.zeros(length)
+        return buffer, buffer[: n * n].reshape(n, n)
+
+    def give(self, buffer: Array) -> None:
+        self._free.setdefault(len(buffer), []).append(buffer)
+
+
+class MultifrontalFactor(CheckedFactor):
+    """Factor of a matrix, front by front."""
+
+    backend = "multifrontal"
+
+    def __init__(self, matrix: Any, plan: FrontPlan) -> None:
+        super().__init__(matrix)
+        self._order = plan.fronts.order
+        self._negative = 0
+        self._doubtful = False  # whether some front amplifies so much that its signs want a second look
+        self._fronts: list[_Front] = []
+        with np.errstate(all="ignore"):
+            self._factorize(plan)
+
+    def _factorize(self, plan: FrontPlan) -> None:
+        from scipy.linalg.blas import dsyrk, dtrsm
+        from scipy.linalg.lapack import dpotrf
+
+        store = np.zeros(plan.size)
+        store[plan.places] = self.matrix.data[plan.taken]
+        starts, offsets = plan.fronts.starts.tolist(), plan.offsets.tolist()
+        buffers = _Buffers()
+        spare = np.empty(int(plan.pivots.max()) ** 2)
+        left_over: dict[int, tuple[Array, Array]] = {}
+        for f, border in enumerate(plan.fronts.borders):
+            p, q = starts[f + 1] - starts[f], len(border)
+            pivot = store[offsets[2 * f] : offsets[2 * f + 1]].reshape(p, p)
+            outer = store[offsets[2 * f + 1] : offsets[2 * f + 2]].reshape(p, q)
+            buffer, rest = buffers.take(q)
+            if plan.children[f]:
+                rest.fill(0.0)
+            blocks = pivot, outer, rest
+            for child in plan.children[f]:
+                spent, update = left_over.pop(child)
+                for which, to, source in plan.transfers[child]:
+                    block = blocks[which][to]  # a view; adding to blocks[which][to] itself would copy it once more
+                    block += update[source]
+                buffers.give(spent)
+            original = spare[: p * p].reshape(p, p)
+            original[...] = pivot
+            kept = 1.0 if plan.children[f] else 0.0  # BLAS does not read what it is to multiply by zero
+            lower, info = dpotrf(pivot.T, lower=1, overwrite_a=1, clean=0)
+            if info == 0:
+                exchanges = None
+                if q:
+                    dtrsm(1.0, lower, outer.T, side=1, lower=1, trans_a=1, overwrite_b=1)
+                    dsyrk(-1.0, outer.T, beta=kept, c=rest.T, lower=1, overwrite_c=1)
+            else:
+                pivot[...] = original
+                lower, exchanges = self._eliminate_indefinite(pivot, outer, rest, kept)
+            self._fronts.append(_Front(starts[f], starts[f + 1], border, lower, outer, exchanges))
+            left_over[f] = buffer, rest
+
+    def _eliminate_indefinite(
+        self, pivot: Array, outer: Array, rest: Array, kept: float
+    ) -> tuple[Array, NDArray[np.int32]]:
+        """Factor a block that is not positive definite (Bunch and Kaufman); `outer` becomes F11^-1 F21'."""
+        from scipy.linalg.lapack import dsytrf, dsytrs
+
+        lower, exchanges, info = dsytrf(pivot.T, lower=1, lwork=64 * len(pivot), overwrite_a=1)
+        if info != 0 or not np.isfinite(lower.diagonal()).all():
+            raise SingularMatrixError("a front of the stiffness matrix is singular")
+        # Blocks of one have the sign of their entry; blocks of two are chosen only where they are indefinite.
+        single = exchanges > 0
+        self._negative += int(np.count_nonzero(lower.diagonal()[single] < 0)) + int(np.count_nonzero(~single)) // 2
+        if rest.size:
+            solved = dsytrs(lower, exchanges, outer, lower=1)[0]
+            self._doubtful |= not np.abs(solved).max() < AMPLIFIED
+            rest *= kept
+            rest -= solved.T @ outer
+            outer[...] = solved
+        return lower, exchanges
+
+    @property
+    def negative(self) -> int:
+        if self._doubtful:
+            self._doubtful = False
+            probe = np.ones(len(self._order))
+            with np.errstate(all="ignore"):
+                error = float(np.linalg.norm(probe - self.matrix @ self._apply(probe)))
+            if not error <= PIVOT_ABOVE * np.sqrt(len(probe)):
+                self._negative = SuperLUFactor(self.matrix).negative
+        return self._negative
+
+    def _apply(self, rhs: Array) -> Array:
+        from scipy.linalg.blas import dtrsv
+        from scipy.linalg.lapack import dsytrs
+
+        x = rhs[self._order]
+        for front in self._fronts:
+            own = x[front.start : front.end]
+            if front.exchanges is None:
+                dtrsv(front.lower, own, lower=1, overwrite_x=1)
+            if len(front.border):
+                x[front.border] -= own @ front.outer
+        for front in reversed(self._fronts):
+            own = x[front.start : front.end]
+            if front.exchanges is not None:
+                own[...] = dsytrs(front.lower, front.exchanges, own, lower=1)[0].ravel()
+            if len(front.border):
+                own -= front.outer @ x[front.border]
+            if front.exchanges is None:
+                dtrsv(front.lower, own, lower=1, trans=1, overwrite_x=1)
+        solution = np.empty_like(x)
+        solution[self._order] = x
+        return solution
+
+
+class _Front(NamedTuple):
+    """One eliminated front: its pivots, its border, and the factor of F11.
+
+    With `exchanges` None, ``lower`` is the L of Cholesky and ``outer`` is L^-1 F21'; else they are what sytrf leaves,
+    and F11^-1 F21'.
+    """
+
+    start: int
+    end: int
+    border: Index
+    lower: Array
+    outer: Array
+    exchanges: NDArray[np.int32] | None

@@ -1,0 +1,8 @@
+"""Studies: many runs of one model, told in one table and one picture."""
+
+from __future__ import annotations
+
+from kirigami.study.branches import branches
+from kirigami.study.imperfections import Case, ImperfectionStudy, imperfections, seeds
+
+__all__ = ["Case", "ImperfectionStudy", "branches", "imperfections", "seeds"]

@@ -1,0 +1,241 @@
+"""Factorisations: each back end against dense linear algebra, and the dissection against what it promises."""
+
+from __future__ import annotations
+
+import importlib.util
+
+import numpy as np
+import pytest
+from scipy.sparse import block_diag, csc_matrix, diags, identity, kron, random
+
+import kirigami as kg
+from kirigami.linalg import BACKENDS, SingularMatrixError, factorize, make_solver, smallest_eigenpairs
+from kirigami.linalg.dissection import dissect
+
+NAMES = [
+    pytest.param(
+        name,
+        marks=pytest.mark.skipif(
+            name == "rslab" and importlib.util.find_spec("rslab") is None, reason="rslab is not installed"
+        ),
+    )
+    for name in BACKENDS
+]
+
+
+def grid(columns: int, rows: int) -> csc_matrix:
+    """Three unknowns at each node of a grid, coupled, with the stiffness of a net of springs."""
+    line_x, line_y = (diags([-1.0, 2.1, -1.0], [-1, 0, 1], shape=(k, k)) for k in (columns, rows))
+    net = kron(line_x, identity(rows)) + kron(identity(columns), line_y)
+    return csc_matrix(kron(net, np.array([[4.0, 1.0, 0.0], [1.0, 3.0, 1.0], [0.0, 1.0, 2.0]])))
+
+
+def slit_sheet() -> kg.System:
+    """A thin sheet with two slits, gripped at two edges, some 400 nodes."""
+    sheet = kg.Sheet(
+        [(0, 0), (1, 0), (1, 1), (0, 1)],
+        [[(0.2, 0.35), (0.8, 0.35)], [(0.2, 0.65), (0.8, 0.65)]],
+        thickness=1e-3,
+        material=kg.Material(E=1e9),
+    )
+    m = kg.Model.from_mesh(sheet.mesh(max_edge=0.07))
+    x, y, _ = m.positions().T
+    m.perturb(0.01 * np.sin(5 * x) * np.cos(4 * y))
+    m.add(kg.Fix(m.select(boundary="bottom")), kg.Fix(m.select(boundary="top"), "xz"))
+    m.add(kg.Prescribe(m.select(boundary="top"), y=0.05))
+    return kg.System(m)
+
+
+def relative_error(matrix: csc_matrix, solution: np.ndarray, rhs: np.ndarray) -> float:
+    return float(np.linalg.norm(matrix @ solution - rhs) / np.linalg.norm(rhs))
+
+
+@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("shift", [0.0, 0.5, 3.0, 12.0, 40.0])
+def test_solution_and_inertia_against_dense_eigenvalues(name: str, shift: float) -> None:
+    matrix = csc_matrix(grid(14, 11) - shift * identity(3 * 14 * 11))
+    values = np.linalg.eigvalsh(matrix.toarray())
+    factor = make_solver(name).factorize(matrix)
+    rhs = np.random.default_rng(2).normal(size=matrix.shape[0])
+    assert relative_error(matrix, factor.solve(rhs), rhs) < 1e-10
+    assert factor.negative == np.count_nonzero(values < 0)
+    assert factor.backend == name
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_random_indefinite_matrices(name: str) -> None:
+    for seed in range(5):
+        rng = np.random.default_rng(seed)
+        half = random(150, 150, density=0.02, random_state=rng, data_rvs=rng.standard_normal)
+        matrix = csc_matrix(half + half.T + diags(rng.normal(size=150)))
+        factor = make_solver(name).factorize(matrix)
+        rhs = rng.normal(size=150)
+        assert relative_error(matrix, factor.solve(rhs), rhs) < 1e-8
+        assert factor.negative == np.count_nonzero(np.linalg.eigvalsh(matrix.toarray()) < 0)
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_saddle_point_with_zeros_on_the_diagonal(name: str) -> None:
+    """Constraints by multipliers: as many negative eigenvalues as constraints, and no pivot to start from."""
+    stiff = grid(9, 8)
+    rng = np.random.default_rng(4)
+    rows = random(20, stiff.shape[0], density=0.1, random_state=rng, data_rvs=rng.standard_normal).tocsc()
+    from scipy.sparse import bmat
+
+    matrix = csc_matrix(bmat([[None, rows], [rows.T, stiff]]))
+    factor = make_solver(name).factorize(matrix)
+    rhs = np.ones(matrix.shape[0])
+    assert relative_error(matrix, factor.solve(rhs), rhs) < 1e-8
+    assert factor.negative == 20
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_tangents_of_a_sheet_agree_between_back_ends(name: str) -> None:
+    system = slit_sheet()
+    rng = np.random.default_rng(0)
+    solver, counts = make_solver(name), []
+    for amplitude in (0.0, 1e-5, 1e-3):  # the last state is far from equilibrium and very indefinite
+        u = amplitude * rng.normal(size=system.rest.shape)
+        u[system.constrained] = 0.0
+        matrix = system.stiffness(u)
+        dense = matrix.toarray()
+        factor = solver.factorize(matrix)
+        rhs = rng.normal(size=system.free)
+        exact = np.linalg.solve(dense, rhs)
+        assert np.linalg.norm(factor.solve(rhs) - exact) < 1e-8 * np.linalg.norm(exact)
+        assert relative_error(matrix, factor.solve(rhs), rhs) < 1e-9
+        counts.append(factor.negative)
+        assert counts[-1] == np.count_nonzero(np.linalg.eigvalsh(dense) < 0)
+    assert counts[0] == 0 and counts[-1] > 50
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_results_of_a_path_do_not_depend_on_the_back_end(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    ends = []
+    for chosen in ("superlu", name):
+        monkeypatch.setenv("KIRIGAMI_SOLVER", chosen)
+        m = slit_sheet().model
+        res = kg.DisplacementControl(m, to=0.02, step=0.01, tol=1e-12).run()
+        assert res.stats["backend"] == chosen and chosen in res.summary()
+        ends.append((res.u[-1], res.reaction(m.select(boundary="top"), "y")[-1], res[-1].negative))
+    (u, force, negative), (other_u, other_force, other_negative) = ends
+    assert np.abs(u - other_u).max() < 1e-9 * np.abs(u).max()
+    assert force == pytest.approx(other_force, rel=1e-9)
+    assert negative == other_negative
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_a_singular_matrix_gives_the_typed_error(name: str) -> None:
+    loose = csc_matrix(diags([-1.0, 2.0, -1.0], [-1, 0, 1], shape=(50, 50)).tolil())
+    loose = csc_matrix(loose - diags(np.eye(50)[0] + np.eye(50)[-1]))  # a chain of springs without support
+    with pytest.raises(SingularMatrixError):
+        factor = make_solver(name).factorize(loose)
+        factor.solve(np.ones(50))
+    with pytest.raises(SingularMatrixError):
+        make_solver(name).factorize(csc_matrix((4, 4))).solve(np.ones(4))
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_one_solver_for_changing_values_and_changing_patterns(name: str) -> None:
+    solver = make_solver(name)
+    rng = np.random.default_rng(1)
+    for matrix in (grid(8, 7), 3.0 * grid(8, 7), grid(5, 9), block_diag([grid(4, 4), grid(6, 3)], format="csc")):
+        rhs = rng.normal(size=matrix.shape[0])
+        assert relative_error(matrix, solver.factorize(csc_matrix(matrix)).solve(rhs), rhs) < 1e-12
+    first, second = solver.factorize(grid(8, 7)), solver.factorize(csc_matrix(2.0 * grid(8, 7)))
+    rhs = np.ones(3 * 56)
+    assert np.allclose(first.solve(rhs), 2.0 * second.solve(rhs), rtol=1e-12)  # factors live side by side
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_small_matrices(name: str) -> None:
+    assert make_solver(name).factorize(csc_matrix((0, 0))).solve(np.zeros(0)).shape == (0,)
+    factor = make_solver(name).factorize(csc_matrix([[-4.0]]))
+    assert factor.negative == 1 and factor.solve(np.array([2.0])).tolist() == [-0.5]
+    assert factor.solve(np.zeros(1)).tolist() == [0.0]
+
+
+def test_the_default_repeats_bit_by_bit() -> None:
+    matrix = slit_sheet().stiffness()
+    rhs = np.random.default_rng(5).normal(size=matrix.shape[0])
+    first, second = (factorize(matrix.copy()).solve(rhs) for _ in range(2))
+    assert np.array_equal(first, second)
+    solver = make_solver()
+    solver.factorize(matrix)
+    assert np.array_equal(solver.factorize(matrix).solve(rhs), first)
+
+
+def test_an_unknown_back_end_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
+    with pytest.raises(kg.AnalysisError, match="no solver is called 'umfpack': choose one of multifrontal, superlu"):
+        make_solver("umfpack")
+    monkeypatch.setenv("KIRIGAMI_SOLVER", "guess")
+    with pytest.raises(kg.AnalysisError, match="guess"):
+        kg.LinearStatic(slit_sheet().model).run()
+
+
+def test_a_missing_back_end_says_how_to_get_it(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(__import__("sys").modules, "rslab", None)
+    with pytest.raises(kg.AnalysisError, match=r"kirigami-mechanics\[fast\]"):
+        make_solver("rslab")
+
+
+def test_fronts_eliminate_every_unknown_once_and_border_only_on_ancestors() -> None:
+    matrix = slit_sheet().stiffness()
+    fronts = dissect(matrix, leaf=60)
+    assert np.array_equal(np.sort(fronts.order), np.arange(matrix.shape[0]))
+    number = np.argsort(fronts.order)
+    of = np.repeat(np.arange(len(fronts.parent)), np.diff(fronts.starts))  # front of each numbered unknown
+    for f, border in enumerate(fronts.borders):
+        ancestors, at = set(), f
+        while fronts.parent[at] >= 0:
+            assert fronts.parent[at] > at  # children before parents
+            at = int(fronts.parent[at])
+            ancestors.add(at)
+        assert set(of[border]) <= ancestors
+        columns = fronts.order[fronts.starts[f] : fronts.starts[f + 1]]
+        rows = number[matrix[:, columns].indices]
+        assert set(rows[rows >= fronts.starts[f + 1]]) <= set(border)
+
+
+def test_fill_grows_like_n_log_n_on_grids() -> None:
+    """Nested dissection of a square grid leaves O(n log n) entries (George 1973); bands would leave n^1.5."""
+    entries = []
+    for size in (20, 80):
+        fronts = dissect(grid(size, size))
+        pivots = np.diff(fronts.starts)
+        border = np.array([len(b) for b in fronts.borders])
+        entries.append((pivots * (pivots + 1) / 2 + pivots * border).sum() / (3 * size**2))
+    assert entries[1] / entries[0] < 2.5  # log ratio; a band would quadruple them
+    assert entries[1] < 31 * np.log2(80) * 3 / 4
+
+
+def test_separator_of_two_blocks_joined_by_a_bridge_is_the_bridge() -> None:
+    """A sheet with a ligament is cut across the ligament, wherever that lies."""
+    lattice = np.zeros((20, 41), dtype=int)
+    lattice[:, :18] = lattice[:, 23:] = 1
+    lattice[9:11, 18:23] = 1
+    node = np.full(lattice.shape, -1)
+    node[lattice == 1] = np.arange(lattice.sum())
+    pairs = [
+        (one, other)
+        for a, b in ((node[:, :-1], node[:, 1:]), (node[:-1], node[1:]))
+        for one, other in zip(a.ravel(), b.ravel())
+        if one >= 0 and other >= 0
+    ]
+    n = int(lattice.sum())
+    rows, columns = np.array(pairs).T
+    graph = csc_matrix((np.ones(len(rows)), (rows, columns)), shape=(n, n))
+    fronts = dissect(csc_matrix(graph + graph.T + identity(n)), leaf=400)
+    root = fronts.order[fronts.starts[-2] :]
+    assert len(root) == 2
+    assert np.isin(np.nonzero(np.isin(node, root))[1], np.arange(17, 24)).all()
+
+
+def test_eigenpairs_near_a_shift_match_dense_ones() -> None:
+    matrix = grid(15, 12)
+    mass = csc_matrix(diags(1.0 + np.arange(matrix.shape[0]) / 500.0))
+    values, vectors = smallest_eigenpairs(matrix, mass, 4, -0.1, factorize(csc_matrix(matrix + 0.1 * mass)))
+    from scipy.linalg import eigh
+
+    assert values == pytest.approx(eigh(matrix.toarray(), mass.toarray(), eigvals_only=True)[:4], rel=1e-9)
+    assert np.abs(vectors.T @ (mass @ vectors) - np.eye(4)).max() < 1e-9
