@@ -5,10 +5,14 @@ BIN = $(VENV)/bin
 # One thread each: the suite runs in two processes, and the default solver is sequential.
 THREADS = OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1
 
-.PHONY: demo test validate random-sheets external notebooks docs lint clean
+.PHONY: demo gallery test validate random-sheets external notebooks docs lint clean
 
 demo: $(VENV)/installed
 	$(BIN)/kirigami demo --folder demo
+
+# Every example in its reduced form, with its pictures: well under an hour on two cores.
+gallery: $(VENV)/installed
+	$(BIN)/python tools/gallery.py gallery
 
 test: $(VENV)/installed
 	$(THREADS) MPLBACKEND=Agg $(BIN)/python -m pytest -n 2 -m "not long and not external"
@@ -47,4 +51,4 @@ $(VENV)/docs-installed: $(VENV)/installed
 	touch $@
 
 clean:
-	rm -rf $(VENV) demo build dist *.egg-info notebooks docs/_build docs/generated docs/tutorials
+	rm -rf $(VENV) demo gallery build dist *.egg-info notebooks docs/_build docs/generated docs/tutorials

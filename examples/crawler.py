@@ -3,15 +3,16 @@
 Khawale, Mehdizadeh, Brigham and Filipov ("Rapid kirigami simulation using the bar and hinge approach") fold a cut
 sheet into a three-sided body, stretch it along its length and compare three patterns of cuts. They state neither sizes
 nor material, fold angle, crease stiffness, strain, nor the constants of the friction law: what stands under "Chosen"
-is ours, and the straight slit is added as a control. The constant K_f of the friction law is arbitrary, so that mu is
-no result, only how it grows. Even which pattern has most of it hangs on what the surface factor S_f stands for: with
-the same S_f = 1 for all, the triangle comes before the other fins; with the area of the fins, last.
+is ours, and the straight slit is added as a control. The constants of the friction law are arbitrary, so that mu is no
+result, only how it grows; with one surface factor S_f for all patterns they differ little, and their order would hang
+on what S_f stands for. What sets the patterns apart is how much stiffer a fin is one way than the other: there the
+triangle leads, close before the trapezoid. The slit is not alike both ways either: of its two lips one stands out.
 
 The sheet is meshed flat, with the creases as lines of mesh edges; then its nodes are moved to where folding puts them.
 No distance changes, and a bending hinge takes the angle it has at rest as its rest angle, so that the folded body is
 free of stress, creases included. A crease is as stiff in bending as the sheet.
 
-Run plainly it takes 6 of the 20 rows of cuts and a few minutes; --full takes all of them.
+Run plainly it takes 5 of the 20 rows of cuts on a coarse mesh and a few minutes; --full takes all on a finer one.
 """
 
 from __future__ import annotations
@@ -177,7 +178,7 @@ def main(
             for factor in (SURFACE_FACTOR, body.share)
         )
         push = pushed(body, res[-1])
-        curves[shape] = res.lam * STRAIN, height, friction, push
+        curves[shape] = res.lam * STRAIN, height, push
         found[shape] = {"height": height[-1], "friction": friction[-1], "friction by area": by_area[-1],
                         "with the tip": push[0, -1], "against it": push[1, -1]}  # fmt: skip
         if pictures:
@@ -190,35 +191,41 @@ def main(
 def draw(
     paths: dict[str, kg.Results], curves: dict[str, tuple[Floats, ...]], press: tuple[kg.Results, Floats, Floats]
 ) -> None:
-    """The bodies seen from below; pop-out, friction, a fin pushed both ways, the force on the ground."""
+    """The bodies seen from below; pop-out and friction, a fin pushed both ways, the force on the ground."""
     from matplotlib import pyplot as plt
 
-    figure = plt.figure(figsize=(12, 6.2), layout="constrained")
-    grid = figure.add_gridspec(2, 12, height_ratios=(1.25, 1))
+    figure = plt.figure(figsize=(12.5, 6.2))
     for column, shape in enumerate(list(paths)[:3]):
-        ax = figure.add_subplot(grid[0, 4 * column : 4 * column + 4], projection="3d")
+        ax = figure.add_axes((column / 3, 0.46, 1 / 3, 0.5), projection="3d")
         paths[shape].plot(ax=ax, view=(-30, -68), colorbar=False)
+        sizes = [np.ptp(limits) for limits in (ax.get_xlim(), ax.get_ylim(), ax.get_zlim())]
+        ax.set_box_aspect(sizes, zoom=1.45)
         ax.set_axis_off()
-        ax.set_title(f"{shape}, strain {STRAIN:.0%}, from below", y=0.98)
-    out, law, fin, ground = (figure.add_subplot(grid[1, 3 * k : 3 * k + 3]) for k in range(4))
-    for number, (shape, (strain, height, friction, push)) in enumerate(curves.items()):
-        style = {"color": f"C{number}", "label": shape}
-        out.plot(100 * strain, height, **style)
-        law.plot(100 * strain, friction, **style)
-        fin.plot(np.linspace(0, PUSH, 11), push[0], **style)
-        fin.plot(np.linspace(0, PUSH, 11), push[1], "--", color=f"C{number}")
+        ax.set_title(f"{shape}, strain {STRAIN:.0%}, from below", y=0.97)
+    out, fin, ratio, ground = (figure.add_axes((left, 0.1, 0.17, 0.34)) for left in (0.05, 0.33, 0.565, 0.8))
+    tenths = np.linspace(0, PUSH, 11)
+    for number, (shape, (strain, height, push)) in enumerate(curves.items()):
+        color = f"C{number}"
+        out.plot(100 * strain, height, color=color, label=shape)
+        fin.plot(tenths, push[0], color=color)
+        fin.plot(tenths, push[1], "--", color=color)
+        ratio.plot(tenths[1:], push[0, 1:] / push[1, 1:], color=color)
+    ratio.axhline(1, color="0.6", lw=0.8)
     res, force, _ = press
-    ground.plot(100 * STRAIN * res.lam, force, label=next(iter(paths)))
-    out.set(xlabel="strain [%]", ylabel="pop-out height [mm]")
-    law.set(xlabel="strain [%]", ylabel=f"$\\mu$ for $K_f$ = {ENGAGEMENT:g} mm, $S_f$ = {SURFACE_FACTOR:g}")
-    fin.set(xlabel="push [mm], dashed against the tip", ylabel="force on the tip of a fin [N]")
+    ground.plot(100 * STRAIN * res.lam, force, color="C0")
+    out.set(xlabel="strain [%]", ylabel="pop-out height $h$ [mm]")
+    per_mm = ENGAGEMENT * SURFACE_FACTOR / (PITCH * SPACING)
+    scale = (lambda h: BASE_FRICTION + per_mm * h, lambda mu: (mu - BASE_FRICTION) / per_mm)
+    out.secondary_yaxis("right", functions=scale).set_ylabel(rf"$\mu$ for $K_f$ = {ENGAGEMENT:g} mm, $S_f$ = 1")
+    out.legend(frameon=False, loc="lower right")
+    fin.set(xlabel="push of a fin [mm]", ylabel="force [N], dashed against the tip")
+    ratio.set(xlabel="push of a fin [mm]", ylabel="force with the tip / against it")
     ground.set(xlabel="strain [%]", ylabel=f"force on a ground {GROUND:g} mm below [N]")
-    for ax in (out, law, fin, ground):
+    for ax in (out, fin, ratio, ground):
         ax.set_xlim(0)
         ax.set_ylim(0)
-    out.legend(frameon=False)
-    figure.savefig("crawler.png", dpi=120)
+    figure.savefig("crawler.png", dpi=110)
 
 
 if __name__ == "__main__":
-    main(pictures=True, rows=ROWS if "--full" in sys.argv else 5)
+    main(True, ROWS, 2.0) if "--full" in sys.argv else main(True)

@@ -55,8 +55,8 @@ class Pattern:
 
 def rainbow(columns: int = 3, rows: int = 15, pitch: float = 30.0, slit: float = 26.0, row: float = 4.0) -> Pattern:
     """Alternating rows of parallel slits."""
-    width = columns * pitch
-    return Pattern(width, rows * row, row, kg.cuts.parallel_slits(columns, rows, width, rows * row, slit, margin=MARGIN))
+    width, height = columns * pitch, rows * row
+    return Pattern(width, height, row, kg.cuts.parallel_slits(columns, rows, width, height, slit, margin=MARGIN))
 
 
 def honeycomb(columns: int = 6, rows: int = 10, across: float = 14.0, along: float = 6.0, slit: float = 1.7) -> Pattern:
@@ -170,20 +170,22 @@ def picture(found: dict[str, Pulled], path: str) -> None:
         "poisson": "Poisson ratio", "height": "height [mm]", "area": "open area [mm$^2$]", "force": "force [N]"
     }  # fmt: skip
     with matplotlib.rc_context(SETTINGS):
-        figure = pyplot.figure(figsize=(10.5, 6.4), layout="constrained")
-        rows = figure.subfigures(2, 1, height_ratios=(1.7, 1))
-        for number, (name, one) in enumerate(found.items(), start=1):
-            ax = rows[0].add_subplot(1, len(found), number, projection="3d")
-            one.results.plot(ax=ax, view=(42, -68), colorbar=False)
-            ax.set_title(f"{name}, strain {one.strain[-1]:g}", color=colors[name])
-        for ax, (key, label) in zip(rows[1].subplots(1, 4), labels.items()):
+        figure = pyplot.figure(figsize=(10.5, 6.6))
+        for number, (name, one) in enumerate(found.items()):
+            ax = figure.add_axes([0.5 * number - 0.05, 0.29, 0.6, 0.75], projection="3d")
+            one.results.plot(ax=ax, view=(48, -74), colorbar=False)
+            figure.text(
+                0.5 * number + 0.25, 0.965, f"{name}, strain {one.strain[-1]:g}", color=colors[name], ha="center"
+            )
+        for number, (key, label) in enumerate(labels.items()):
+            ax = figure.add_axes([0.06 + 0.245 * number, 0.08, 0.185, 0.25])
             for name, one in found.items():
                 ax.plot(one.strain[1:], getattr(one, key)[1:], color=colors[name], label=name)
             ax.set(xlabel="strain", ylabel=label, xlim=(0, None))
-            if key != "poisson":
-                ax.set_ylim(0, None)
-            else:
+            if key == "poisson":
                 ax.legend()
+            else:
+                ax.set_ylim(0, None)
         figure.savefig(path, dpi=150)
 
 

@@ -57,7 +57,14 @@ _HOME = {
     "ConvergenceError": "errors",
     "KirigamiWarning": "errors",
 }
-_MODULES = {"bloch": "bloch", "cuts": "geometry.cuts", "stiffness": "stiffness", "plot": "plot", "tilings": "tilings"}
+_MODULES = {
+    "bloch": "bloch",
+    "cuts": "geometry.cuts",
+    "stiffness": "stiffness",
+    "study": "study",
+    "plot": "plot",
+    "tilings": "tilings",
+}
 
 __all__ = ["__version__", *_HOME, *_MODULES]
 
@@ -65,6 +72,7 @@ if TYPE_CHECKING:
     from kirigami import bloch as bloch
     from kirigami import plot as plot
     from kirigami import stiffness as stiffness
+    from kirigami import study as study
     from kirigami import tilings as tilings
     from kirigami.analysis.buckling import Buckling as Buckling
     from kirigami.analysis.eigen import Eigen as Eigen

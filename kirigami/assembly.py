@@ -18,9 +18,9 @@ Index = NDArray[np.int64]
 
 def scatter_add(target: Array, conn: Index, values: Array) -> None:
     """Add member values (n, k, dim) to the rows (dim columns) of `target` that `conn` (n, k) names."""
-    flat = conn.ravel()
+    flat = conn.T.ravel()  # kernels keep the members last in memory
     for axis in range(target.shape[1]):
-        target[:, axis] += np.bincount(flat, weights=values[:, :, axis].ravel(), minlength=len(target))
+        target[:, axis] += np.bincount(flat, weights=values[:, :, axis].T.ravel(), minlength=len(target))
 
 
 class BlockPlan:

@@ -98,6 +98,7 @@ class Kernel:
     conn: NDArray[np.int64]
     anchored: bool = False  # True where rigid motions of its members cost energy, as for a support
     members: NDArray[np.int64] | None = None
+    normals: tuple[NDArray[np.int64], NDArray[np.int64]] | None = None  # nodes and tips of their normals, if it has any
     convexity: float = 0.0  # 0: the exact Hessian; 1: a positive semi-definite one; between: their mixture
 
     def evaluate(self, x: Array, lam: float = 1.0, need: int = 2) -> Contribution:

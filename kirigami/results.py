@@ -115,8 +115,8 @@ class Event:
     ----------
     kind : str
         "limit point" (the load factor has an extremum), "bifurcation" (another path crosses), "stability change" (one
-        of the two that could not be located), "switch" (an unstable path was left for another one), "snap" (energy was
-        set free), "step limit", "interrupted" or "failed".
+        of the two that could not be located), "switch" (an unstable path was left for another one), "switch failed" (no
+        stable equilibrium was found), "snap" (energy was set free), "step limit", "interrupted" or "failed".
     lam : float
         Load factor: located for limit points and bifurcations, else the middle of ``bracket``.
     step : int
@@ -283,6 +283,7 @@ class Results(ResultsFiles, ResultsShape):
         from kirigami.assembly import scatter_add
 
         total = np.zeros((len(self.steps), len(self.rest), 3))
+        normals = [kernel.normals for kernel in self.kernels if kernel.normals is not None]
         rest = self.rest[:, : self.dim]
         at_rest = Configuration(rest, np.zeros_like(rest))
         for field_, step in zip(total, self.steps):
@@ -300,6 +301,8 @@ class Results(ResultsFiles, ResultsShape):
                     gradient = self.evaluate_at(kernel, step, lambda x: kernel.evaluate(x, step.lam, 1)).gradient  # noqa: B023
                 assert gradient is not None
                 scatter_add(target, kernel.conn, gradient)
+            for base, tip in normals:  # what holds the normal of a node holds the node
+                np.add.at(target, base, target[tip])
             field_[:, : self.dim] = target
         return total
 

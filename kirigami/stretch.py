@@ -165,11 +165,7 @@ def stretch(
         warnings.warn(doubt, KirigamiWarning, stacklevel=2)
     held = _grip(grip, sheet, direction, length, width)
     edge = edge_for(sheet, max_edge)
-    mesh = sheet.mesh(edge, lines=_grip_lines(sheet.bounds, direction, held))
-    model = kg.Model.from_mesh(mesh)
-    model.name = name
     pull = wanted * (length - 2 * held)
-    high = _hold(model, direction, held, pull)
     bump = thick if imperfection is None else units.parse(imperfection, "length")
     grips = f"strips of {units.show(held, 'length')}" if held else "edges"
     notes = (
@@ -181,8 +177,8 @@ def stretch(
     )
     for note in notes:
         say(note)
-    if bump:
-        model.perturb(kg.Eigen(model, n=1).run()[0], amplitude=bump)
+    model, high = held_model(sheet, edge, direction, held, pull, bump)
+    model.name = name
     targets = [0.002, 0.005, 0.01, 0.02, 0.05, *np.linspace(0.1, 1.0, 10).tolist()]
     results = kg.DisplacementControl(model, targets=targets).run(progress=progress, on_failure="return")
     events = tuple(str(event) for event in results.events)
@@ -190,8 +186,41 @@ def stretch(
         raise AnalysisError("\n".join(events), results=results)
     for event in events:
         say(event)
-    numbers = _numbers(results, mesh, high, direction, pull, length - 2 * held)
+    assert model.mesh is not None
+    numbers = _numbers(results, model.mesh, high, direction, pull, length - 2 * held)
     return Report(results, numbers, notes + events, direction)
+
+
+def pulled_sheet(
+    sheet: kg.Sheet, max_edge: float, direction: str, strain: float, stiffness: str = "plate"
+) -> tuple[kg.Model, list[kg.Node]]:
+    """Model of a sheet clamped at its two ends and to be pulled by a strain, and the nodes that are pulled.
+
+    Ends and imperfection as in :func:`stretch`: straight edges or strips of 4 % of the length; the softest mode, one
+    thickness high.
+    """
+    xmin, ymin, xmax, ymax = sheet.bounds
+    length, width = (ymax - ymin, xmax - xmin) if direction == "y" else (xmax - xmin, ymax - ymin)
+    held = _grip(None, sheet, direction, length, width)
+    if sheet.thickness is None:
+        raise ModelError("the sheet has no thickness: give one to the Sheet")
+    pull = strain * (length - 2 * held)
+    return held_model(sheet, max_edge, direction, held, pull, sheet.thickness, stiffness)
+
+
+def held_model(
+    sheet: kg.Sheet, edge: float, direction: str, held: float, pull: float, bump: float, stiffness: str = "plate"
+) -> tuple[kg.Model, list[kg.Node]]:
+    """Model of a sheet held at both ends and driven at the upper or right one, and the nodes that are driven.
+
+    The imperfection is the softest mode of the held sheet, `bump` high.
+    """
+    mesh = sheet.mesh(edge, lines=_grip_lines(sheet.bounds, direction, held))
+    model = kg.Model.from_mesh(mesh, stiffness=stiffness)
+    high = _hold(model, direction, held, pull)
+    if bump:
+        model.perturb(kg.Eigen(model, n=1).run()[0], amplitude=bump)
+    return model, high
 
 
 def _grip(grip: float | str | None, sheet: kg.Sheet, direction: str, length: float, width: float) -> float:
@@ -232,9 +261,8 @@ def _hold(model: kg.Model, direction: str, held: float, pull: float) -> list[kg.
     low = model.select(index=np.flatnonzero(coordinate <= coordinate.min() + held + slack))
     high = model.select(index=np.flatnonzero(coordinate >= coordinate.max() - held - slack))
     others = "xz" if direction == "y" else "yz"
-    clamp = not held  # a strip of held facets keeps its slope by itself
     drive = kg.Prescribe(high, y=pull) if direction == "y" else kg.Prescribe(high, x=pull)
-    model.add(kg.Fix(low, clamp=clamp), kg.Fix(high, others, clamp=clamp), drive)
+    model.add(kg.Fix(low, clamp=True), kg.Fix(high, others, clamp=True), drive)
     return high
 
 

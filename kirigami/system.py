@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from kirigami import compiled
 from kirigami.assembly import BlockPlan, Index, PickPlan, scatter_add
 from kirigami.constraints import AXES
 from kirigami.errors import MechanismError, ModelError
@@ -93,6 +94,7 @@ class System:
             self._number(numbering)
             self._check_dangling(numbering)
             self._measure()
+        self.compiled = [compiled.serves(kernel) for kernel in self.kernels]
         self._blocks_plan: BlockPlan | None = None
         self._pick_plan: PickPlan | None = None
 
@@ -269,12 +271,17 @@ class System:
         x = self.configuration(u)
         total = np.zeros(self.rest.shape)
         squares = 0.0
-        for kernel in self.kernels:
+        for kernel, fast in zip(self.kernels, self.compiled):
+            if fast:
+                with self.clock(f"{kernel.name} (compiled)"):
+                    squares += compiled.add_forces(kernel, x, total)
+                continue
             with self.clock(kernel.name):
                 gradient = kernel.evaluate(x, lam, 1).gradient
             assert gradient is not None
             with self.clock("assembly"):
-                squares += float(np.einsum("nka,nka->", gradient, gradient))
+                in_memory_order = gradient.ravel(order="K")
+                squares += float(in_memory_order @ in_memory_order)
                 scatter_add(total, kernel.conn, gradient)
         return total, float(np.sqrt(squares))
 
@@ -320,9 +327,16 @@ class System:
         """Node blocks (dim, dim, blocks) of the Hessian of the potential."""
         x = self.configuration(u)
         plan = self.plan
-        total = np.zeros((self.dim, self.dim, 2 * plan.count))
-        for kernel, slots in zip(self.kernels, plan.slots):
+        total: Array | None = None
+        gathered: Array | None = None
+        for kernel, slots, fast in zip(self.kernels, plan.slots, self.compiled):
             if kernel.pairs == ():
+                continue
+            if fast:
+                with self.clock(f"{kernel.name} (compiled)"):
+                    if gathered is None:
+                        gathered = np.zeros((plan.count, self.dim, self.dim))
+                    compiled.add_blocks(kernel, x, slots, gathered)
                 continue
             with self.clock(kernel.name):
                 hessian = kernel.evaluate(x, lam, 2).hessian
@@ -332,11 +346,18 @@ class System:
                     first, second = np.triu_indices(kernel.conn.shape[1])
                     hessian = hessian[:, first, second]
                 by_component = hessian.transpose(2, 3, 1, 0)
+                if total is None:
+                    total = np.zeros((self.dim, self.dim, 2 * plan.count))
                 for a in range(self.dim):
                     for b in range(self.dim):
                         total[a, b] += np.bincount(slots, by_component[a, b].ravel(), 2 * plan.count)
-        # Contributions whose first node has the higher number were collected apart, to be transposed here.
-        blocks: Array = total[:, :, : plan.count] + total[:, :, plan.count :].swapaxes(0, 1)
+        with self.clock("assembly"):
+            if total is None:
+                blocks = np.zeros((self.dim, self.dim, plan.count))
+            else:  # contributions whose first node has the higher number were collected apart, to be transposed here
+                blocks = total[:, :, : plan.count] + total[:, :, plan.count :].swapaxes(0, 1)
+            if gathered is not None:
+                blocks += gathered.transpose(1, 2, 0)
         return blocks
 
     def matrix(self, blocks: Array) -> Any:

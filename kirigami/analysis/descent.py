@@ -88,24 +88,37 @@ def descend(
     max_iterations: int,
     strategy: Strategy,
     on_iteration: Callable[[], None] = lambda: None,
+    wary: bool = False,
 ) -> Attempt:
-    """Iterate downhill from `start`, at its load factor, to a stable equilibrium."""
+    """Iterate downhill from `start`, at its load factor, to a stable equilibrium; if `wary`, only from where the
+    tangent has no negative pivot."""
     try:
-        return _Descent(system, factorize, start, tol, strategy).run(max_iterations, on_iteration)
+        return _Descent(system, factorize, start, tol, strategy, wary).run(max_iterations, on_iteration)
     finally:
         system.linearize(None)
         system.convexity = 0.0
+
+
+class UnstableStartError(Exception):
+    """The tangent is indefinite where a wary descent starts."""
 
 
 class _Descent:
     """State of one descent: unknowns, residual, and the amount by which the tangent is made positive definite."""
 
     def __init__(
-        self, system: System, factorize: Callable[[Array], Factor], start: State, tol: float, strategy: Strategy
+        self,
+        system: System,
+        factorize: Callable[[Array], Factor],
+        start: State,
+        tol: float,
+        strategy: Strategy,
+        wary: bool,
     ) -> None:
-        self.system, self.factorize, self.tol, self.strategy = system, factorize, tol, strategy
+        self.system, self.factorize, self.tol, self.strategy, self.wary = system, factorize, tol, strategy, wary
         self.q, self.lam, self.u = start.q.copy(), start.lam, start.u
         self.amount = 0.0
+        self.residual, self.relative = np.zeros(0), 0.0
         self.history: list[float] = []
         self.left: tuple[State, Array, Factor] | None = None
         self._unit: Array | None = None
@@ -129,6 +142,8 @@ class _Descent:
                     self._balance()
                 elif iteration < max_iterations:
                     self._iterate()
+            except UnstableStartError:
+                return self._attempt(iteration, "the prediction is unstable")
             except SingularMatrixError as error:
                 return self._attempt(iteration, str(error))
             on_iteration()
@@ -157,6 +172,9 @@ class _Descent:
         """Factor of the tangent with just enough done to it for no pivot to be negative."""
         strategy = self.strategy
         factor = self.factorize(self._blocks())
+        if self.wary and factor.negative:
+            raise UnstableStartError
+        self.wary = False
         while factor.negative and self.amount < strategy.most:
             grown = max(self.amount * strategy.growth, strategy.least)
             self.amount = strategy.most if factor.negative > strategy.many else min(grown, strategy.most)

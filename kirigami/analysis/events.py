@@ -81,6 +81,9 @@ def report_events(
             f"({left.negative} negative eigenvalues) and was left downhill for a stable equilibrium"
         )
         events.append(Event("switch", 0.5 * sum(bracket), index, message, bracket))
+    elif path.on_instability == "switch" and isinstance(path.control, LoadFactorControl) and after.negative:
+        message = f"no stable equilibrium was found downhill at load factor {bracket[1]:.6g}: the step is unstable"
+        events.append(Event("switch failed", bracket[1], index, message, bracket))
     if isinstance(path.control, LoadFactorControl):
         released, share = _energy_set_free(path, before, after)
         if share > SNAP:
@@ -105,7 +108,8 @@ def _energy_set_free(path: Walker, before: Point, after: Point) -> tuple[float, 
     distance = after.state.lam - before.state.lam
     released = energy[0] + 0.5 * (rate[0] + rate[1]) * distance - energy[1]
     explained = 0.5 * abs((rate[1] - rate[0]) * distance)
-    return released, (released - explained) / max(abs(energy[1]), 1e-300)
+    rounding = 1e3 * system.noise * system.length
+    return released, (released - explained) / max(abs(energy[0]), abs(energy[1]), rounding, 1e-300)
 
 
 # ---- singular points

@@ -180,7 +180,9 @@ class DisplacementControl(_RangeAnalysis):
 
     def _make_control(self, system: System) -> Control:
         if self.single is None:
-            if not system.drive.any():
+            # A new stage brings its constraints to their place from wherever the last one ended, also back to zero.
+            in_place = self.start is None or self.start.stage == system.model.stage
+            if in_place and not system.drive.any():
                 raise ModelError(
                     "DisplacementControl: no Prescribe drives the model; add one, or give control=(node, axis)"
                 )

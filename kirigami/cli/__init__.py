@@ -1,4 +1,4 @@
-"""The command line: ``kirigami demo``, ``stretch``, ``mesh``, ``info`` and ``export``.
+"""The command line: ``kirigami demo``, ``stretch``, ``accuracy``, ``mesh``, ``info`` and ``export``.
 
 A command is a module with two functions: ``add`` adds its options to the parser, and ``run`` does the work and returns
 the exit code. Exit codes: 0 done, 1 an error of this package or of a file (said in one sentence) or a path that ended
@@ -14,7 +14,7 @@ from collections.abc import Sequence
 from typing import Any
 
 import kirigami as kg
-from kirigami.cli import demo, export, info, mesh, stretch
+from kirigami.cli import accuracy, demo, export, info, mesh, stretch
 
 DESCRIPTION = """\
 Mechanics of cut sheets by bars and hinges.
@@ -76,7 +76,7 @@ def make_parser() -> argparse.ArgumentParser:
     )
     parser.add_argument("--version", action="version", version=f"kirigami {kg.__version__}")
     commands = parser.add_subparsers(dest="command", metavar="COMMAND", title="commands")
-    for command in (demo, stretch, mesh, info, export):
+    for command in (demo, stretch, accuracy, mesh, info, export):
         command.add(commands)
     return parser
 

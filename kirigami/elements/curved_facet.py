@@ -175,6 +175,8 @@ class CurvedFacetKernel(Kernel):
         self.rest, self.conn, self.members = rest, conn, members
         self.thickness, self.E, self.nu = thickness, E, nu
         self.rigidity = E * thickness**3 / (12 * (1 - nu**2))
+        tips, first = np.unique(conn[:, 3:], return_index=True)
+        self.normals = (conn[:, :3].ravel()[first], tips)
         self._rest_edges = edge_vectors(rest, conn)
         self._rest_tips = rest[conn[:, 3:]] - rest[conn[:, :3]]
         self.tip_length = np.linalg.norm(self._rest_tips, axis=2)

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
+from kirigami.study.accuracy import AccuracyStudy, accuracy
 from kirigami.study.branches import branches
 from kirigami.study.imperfections import Case, ImperfectionStudy, imperfections, seeds
 
-__all__ = ["Case", "ImperfectionStudy", "branches", "imperfections", "seeds"]
+__all__ = ["AccuracyStudy", "Case", "ImperfectionStudy", "accuracy", "branches", "imperfections", "seeds"]

@@ -8,9 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kirigami.kernel import Array
-from kirigami.results import Results
+from kirigami.model import Model
 
-FLAT = 1e-9  # height over size below which a structure counts as flat at rest
+FLAT = 1e-6  # height over size below which a sheet counts as flat
 
 
 class ShapeSpace:
@@ -22,19 +22,19 @@ class ShapeSpace:
     the nearest node.
     """
 
-    def __init__(self, results: Results, mirrors: str = "xy") -> None:
+    def __init__(self, model: Model, mirrors: str = "xy") -> None:
         from scipy.spatial import cKDTree
 
-        rest, mesh = results.rest, results.mesh
+        rest, mesh, dim = model.positions(), model.mesh, model.dim
         self._triangles = None if mesh is None else mesh.triangles
         low, high = rest.min(axis=0), rest.max(axis=0)
         size = float(np.linalg.norm(high - low))
-        self.flat = results.dim == 3 and float(high[2] - low[2]) < 0.05 * size and self._triangles is not None
+        self.flat = dim == 3 and mesh is not None and bool(high[2] - low[2] <= FLAT * size)
         places = rest if self._triangles is None else rest[self._triangles].mean(axis=1)
         self.weight = np.ones(len(places)) if mesh is None else mesh.facet_areas / mesh.facet_areas.sum()
         self._tree = cKDTree(places[:, :2] if self.flat else places)
         self._maps: list[Callable[[Array], Array]] = []
-        axes = ["xyz".index(axis) for axis in mirrors if "xyz".index(axis) < (2 if self.flat else results.dim)]
+        axes = ["xyz".index(axis) for axis in mirrors if "xyz".index(axis) < (2 if self.flat else dim)]
         for chosen in range(2 ** len(axes)):
             flipped = [axis for bit, axis in enumerate(axes) if chosen >> bit & 1]
             self._maps.append(self._reflection(rest, places, flipped, 0.5 * (low + high)))

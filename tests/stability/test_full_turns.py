@@ -69,6 +69,20 @@ def test_spring_goes_two_turns_and_back() -> None:
         assert around == pytest.approx(STIFFNESS * angle, abs=1e-9)
 
 
+def test_a_stage_may_lead_back_to_rest() -> None:
+    """Folded by half a turn and, as the next stage, unfolded to exactly where it began: flat, and free of force."""
+    m, wing = hinge()
+    m.add(kg.Prescribe(wing, x=0.0, y=2 * HEIGHT, z=1e-3))
+    folded = kg.DisplacementControl(m).run()
+    assert abs(folded.hinge_moment[-1, 0]) == pytest.approx(STIFFNESS * np.pi, rel=1e-2)
+    m.hold(folded[-1])
+    m.remove(m.constraints[-1])
+    m.add(kg.Prescribe(wing, x=0.0, y=0.0, z=0.0))
+    back = kg.DisplacementControl(m, start=folded[-1]).run()
+    assert back.lam[-1] == 1.0 and np.abs(back.u[-1]).max() < 1e-14
+    assert abs(back.hinge_moment[-1, 0]) < 1e-12
+
+
 @pytest.mark.parametrize("fold", [0.0, 1e-12, np.pi / 2, np.pi - 1e-9, np.pi, -np.pi + 1e-9])
 def test_forces_of_any_fold_are_finite_and_balanced(fold: float) -> None:
     """Flat, barely folded, square, and shut: 1 / height on each wing, no resultant, a symmetric finite tangent."""

@@ -1,0 +1,178 @@
+"""How time and memory grow with the size of a sheet: one family of slit sheets, each size in a process of its own.
+
+    python benchmarks/scaling.py                      2,000 to 100,000 nodes
+    python benchmarks/scaling.py 2000 500000          these sizes
+    python benchmarks/scaling.py --picture FILE.png   also draw the picture
+    KIRIGAMI_SOLVER=superlu python benchmarks/scaling.py ...   another solver
+
+Squares of the same staggered slits, more of them on a larger sheet, with about 60 nodes a slit. Timed are: mesh, model,
+system (lowering), tangent (assembly, pattern known), ordering (first factorisation less a later one), factorisation
+(pattern known), solution of one right-hand side, linear static analysis, four eigenmodes, and the first increments of
+stretching from flat (to a strain of 0.002 %, with an imperfection, in two increments at first), all in CPU seconds of
+one thread, so that other work on the machine matters little. A table goes to a CSV file next to this script.
+"""
+
+from __future__ import annotations
+
+import csv
+import json
+import os
+import resource
+import subprocess
+import sys
+import time
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+SIZES = [2_000, 5_000, 20_000, 50_000, 100_000]
+TABLE = Path(__file__).with_name("scaling.csv")
+PARTS = {
+    "ordering": ("ordering and plan, once", "#999999"),
+    "factorization": ("one factorisation", "#0072b2"),
+    "solve": ("one solution", "#56b4e9"),
+    "tangent": ("one tangent", "#d55e00"),
+    "linear static": ("linear static", "#009e73"),
+    "four modes": ("four modes", "#cc79a7"),
+    "first increments": ("first increments", "#e69f00"),
+}
+
+
+def slit_sheet(nodes: int) -> Any:
+    """Mesh of a square with rows of staggered slits, of about the given number of nodes."""
+    import numpy as np
+    import shapely
+
+    import kirigami as kg
+
+    rows = max(2, round((nodes / 60) ** 0.5))
+    pitch = 1.0 / rows
+    slits = []
+    for row in range(1, rows):
+        for column in range(-1, rows + 1):
+            left = (column + 0.15 + 0.5 * (row % 2)) * pitch
+            ends = np.clip([left, left + 0.7 * pitch], 0.0, 1.0)
+            if ends[1] - ends[0] > 0.1 * pitch:
+                slits.append(shapely.LineString([(ends[0], row * pitch), (ends[1], row * pitch)]))
+    sheet = kg.Sheet(shapely.box(0, 0, 1, 1), slits, thickness=0.003 * pitch, material=kg.Material(E=2.5e9, nu=0.34))
+    return sheet.mesh(max_edge=1.86 * nodes**-0.5)
+
+
+def measure_parts(m: Any, timed: Callable[..., Any]) -> dict[str, Any]:
+    """Time lowering, assembly and factorisation, and forget them again."""
+    import numpy as np
+
+    import kirigami as kg
+    from kirigami.linalg import make_solver
+
+    system = timed("system", lambda: kg.System(m))
+    matrix = system.stiffness()
+    u = np.zeros_like(system.rest)
+    timed("tangent", lambda: system.matrix(system.stiffness_blocks(u, 0.0)), 3)
+    timed("residual", lambda: system.imbalance(u, 0.0), 3)
+    solver = make_solver()
+    timed("ordering", lambda: solver.factorize(matrix))
+    factor = timed("factorization", lambda: solver.factorize(matrix), 3)
+    timed("solve", lambda: factor.solve(np.ones(system.free)), 3)
+    compiled = " compiled" if any(system.compiled) else ""
+    return {"nodes": len(m.nodes), "unknowns": system.free, "solver": factor.backend + compiled}
+
+
+def measure(nodes: int) -> dict[str, float | str]:
+    """Seconds of each part for one size; meant to run in a fresh process."""
+    import numpy as np
+
+    import kirigami as kg
+
+    cost: dict[str, Any] = {}
+
+    def timed(part: str, do: Callable[[], Any], repeats: int = 1) -> Any:
+        spent = []
+        for _ in range(repeats):
+            start = time.process_time()
+            result = do()
+            spent.append(time.process_time() - start)
+        cost[part] = round(min(spent), 5)
+        return result
+
+    mesh = timed("mesh", lambda: slit_sheet(nodes))
+    m = timed("model", lambda: kg.Model.from_mesh(mesh))
+    x, y, _ = m.positions().T
+    m.perturb(1e-4 * np.sin(7 * x) * np.cos(5 * y))
+    top = m.select(boundary="top")
+    m.add(kg.Fix(m.select(boundary="bottom")), kg.Fix(top, "xz"), kg.Prescribe(top, y=2e-5))
+    cost |= measure_parts(m, timed)
+    cost["ordering"] = round(cost["ordering"] - cost["factorization"], 5)
+    timed("linear static", lambda: kg.LinearStatic(m).run())
+    timed("four modes", lambda: kg.Eigen(m, n=4).run())
+    results = timed("first increments", lambda: kg.DisplacementControl(m, step=0.5).run())
+    cost["steps"], cost["factorizations"] = len(results) - 1, results.stats["factorizations"]
+    cost["largest residual"] = float(results.residual.max())
+    cost["peak MiB"] = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss // 1024
+    return cost
+
+
+def exponent(rows: list[dict[str, Any]], part: str, above: int = 4_000) -> float:
+    """Exponent of growth with the number of nodes, by least squares, over the sizes of at least 4,000."""
+    import numpy as np
+
+    chosen = [row for row in rows if float(row["nodes"]) >= above]
+    nodes, seconds = (np.log([float(row[key]) for row in chosen]) for key in ("nodes", part))
+    return float(np.polyfit(nodes, seconds, 1)[0])
+
+
+def draw(rows: list[dict[str, Any]], path: str) -> None:
+    import matplotlib.pyplot as plt
+
+    figure, (left, right) = plt.subplots(
+        1, 2, figsize=(8.4, 4.0), layout="constrained", gridspec_kw={"width_ratios": (2, 1)}
+    )
+    nodes = [float(row["nodes"]) for row in rows]
+    for part, (label, color) in PARTS.items():
+        name = f"{label} ({exponent(rows, part):.2f})"
+        left.loglog(nodes, [float(row[part]) for row in rows], "o-", ms=4, color=color, label=name)
+    left.set_xlabel("nodes")
+    left.set_ylabel("CPU seconds, one thread")
+    figure.legend(
+        *left.get_legend_handles_labels(), fontsize=8, frameon=False, loc="outside lower center", ncols=4,
+        title="in brackets: exponent of growth above 4,000 nodes", title_fontsize=8,
+    )  # fmt: skip
+    right.loglog(nodes, [float(row["peak MiB"]) / 1024 for row in rows], "o-", ms=4, color="#333333")
+    right.set_xlabel("nodes")
+    right.set_ylabel("peak memory of the process [GiB]")
+    for ax in (left, right):
+        ax.grid(alpha=0.3)
+        ax.spines[["top", "right"]].set_visible(False)
+    figure.savefig(path, dpi=130)
+
+
+def main(arguments: list[str]) -> None:
+    if arguments[:1] == ["--measure"]:
+        print(json.dumps(measure(int(arguments[1]))))
+        return
+    picture = arguments[arguments.index("--picture") + 1] if "--picture" in arguments else None
+    sizes = [int(a) for a in arguments if a.isdigit()] or SIZES
+    rows = []
+    one_thread = {name: "1" for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "RAYON_NUM_THREADS")}
+    for size in sizes:
+        run = subprocess.run(
+            [sys.executable, __file__, "--measure", str(size)],
+            env={**os.environ, **one_thread}, capture_output=True, text=True, check=False,
+        )  # fmt: skip
+        if run.returncode:
+            print(f"{size} nodes failed:\n{run.stderr[-2000:]}")
+            continue
+        rows.append(json.loads(run.stdout.splitlines()[-1]))
+        print("  ".join(f"{key} {value}" for key, value in rows[-1].items()), flush=True)
+        with TABLE.open("w", newline="") as file:
+            writer = csv.DictWriter(file, rows[0])
+            writer.writeheader()
+            writer.writerows(rows)
+    if sum(row["nodes"] >= 4_000 for row in rows) > 1:
+        print("exponents above 4,000 nodes: " + ", ".join(f"{part} {exponent(rows, part):.2f}" for part in PARTS))
+    if picture:
+        draw(rows, picture)
+
+
+if __name__ == "__main__":
+    main(sys.argv[1:])

@@ -1,0 +1,86 @@
+"""The picture of an imperfection study: seeds, final shapes, and which leads to which."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from kirigami.errors import ModelError
+from kirigami.plot import style
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from kirigami.study.imperfections import ImperfectionStudy
+
+MOST = 6  # final shapes drawn
+COLORS = (style.BLUE, style.VERMILION, style.GREEN, "#cc79a7", "#e69f00", "#56b4e9")
+
+
+@style.styled
+def draw_study(study: ImperfectionStudy) -> Figure:
+    """Final shapes above; below, the branch of every mode, sign and amplitude.
+
+    Raises
+    ------
+    ModelError
+        No run reached its end.
+    """
+    from matplotlib.figure import Figure
+
+    numbers = list(study.branches)
+    if not numbers:
+        raise ModelError("no run of the study reached its end, so there is no final shape to draw")
+    drawn = numbers[:MOST]
+    figure = Figure(figsize=(max(2.0 * len(drawn), 5.2), 4.6), layout="constrained")
+    above, below = figure.subfigures(2, 1, height_ratios=(1.1, 1.0))
+    solid = study.model.dim == 3
+    largest = max(float(np.abs(study.final(number).position()[-1][:, 2]).max()) for number in drawn)
+    for place, number in enumerate(drawn):
+        ax = above.add_subplot(1, len(drawn), place + 1, projection="3d" if solid else None)
+        _draw_shape(study, ax, number, largest)
+        energy = min(case.energy for case in study.branches[number])
+        ax.set_title(f"branch {number}\nenergy {energy:.4g}", color=_color(number))
+    _draw_table(study, below.add_subplot())
+    return figure
+
+
+def _color(number: int) -> str:
+    return COLORS[(number - 1) % len(COLORS)]
+
+
+def _draw_shape(study: ImperfectionStudy, ax: Any, number: int, largest: float) -> None:
+    results = study.final(number)
+    solid = study.model.dim == 3
+    results.plot(ax=ax, colorbar=False, cmap=style.diverging_map() if solid else None)
+    if solid:
+        for drawn in ax.collections:
+            if drawn.get_array() is not None:
+                drawn.set_clim(-largest, largest)
+        ax.set_proj_type("ortho")
+        ax.view_init(elev=40, azim=-60)
+    ax.set_axis_off()
+
+
+def _draw_table(study: ImperfectionStudy, ax: Any) -> None:
+    """One square per run: modes along, amplitudes and signs up."""
+    lines = sorted({(case.amplitude, case.sign) for case in study.cases}, key=lambda line: (-line[0], -line[1]))
+    for case in study.cases:
+        row = lines.index((case.amplitude, case.sign))
+        face = _color(case.branch) if case.branch else "white"
+        edge = {"edgecolor": style.GREY if not case.branch else face, "linewidth": 0.8}
+        from matplotlib.patches import Rectangle
+
+        ax.add_patch(Rectangle((case.mode - 0.44, row - 0.42), 0.88, 0.84, facecolor=face, **edge))
+        text = f"{case.branch}" if case.branch else "failed"
+        ax.text(case.mode, row, text, ha="center", va="center", color="white" if case.branch else style.INK, fontsize=8)
+    ax.set_xlim(0.4, len(study.seeds) + 0.6)
+    ax.set_ylim(len(lines) - 0.4, -0.6)
+    ax.set_xticks(range(1, len(study.seeds) + 1))
+    ax.set_yticks(range(len(lines)), [f"{'+' if sign > 0 else '−'} {amplitude:.3g}" for amplitude, sign in lines])
+    ax.set_xlabel("mode that is seeded")
+    ax.set_ylabel("amplitude")
+    ax.tick_params(length=0)
+    for side in ("left", "bottom"):
+        ax.spines[side].set_visible(False)

@@ -1,0 +1,68 @@
+"""The correctors that end in stable equilibria: closed form of a column, a thin cut sheet, repeatability."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from shapely import LineString, box
+
+import kirigami as kg
+from kirigami.analysis.descent import CORRECTORS
+
+
+def slit_sheet(imperfection: float, dim: int = 3) -> kg.Model:
+    """A unit square with one slit, t/L = 1e-3, pulled by 2 %: far beyond buckling."""
+    mesh = kg.Sheet(box(0, 0, 1, 1), [LineString([(0.25, 0.5), (0.75, 0.5)])]).mesh(0.15)
+    m = kg.Model.from_mesh(mesh, 1e-3, kg.Material(E=1.0, nu=1 / 3), dim=dim)
+    top = m.select(boundary="top")
+    m.add(kg.Fix(m.select(boundary="bottom")), kg.Fix(top, "xz"[: dim - 1]), kg.Prescribe(top, y=0.02))
+    if imperfection:
+        m.perturb(kg.Eigen(m, n=1).run()[0], amplitude=imperfection * 1e-3)
+    return m
+
+
+@pytest.fixture(scope="module")
+def energy_in_plane() -> float:
+    """Energy of the same sheet kept in its plane."""
+    return float(kg.DisplacementControl(slit_sheet(0.0, dim=2)).run().energy["bars"][-1])
+
+
+@pytest.mark.parametrize("corrector", CORRECTORS)
+def test_perfect_column_buckles(corrector: str) -> None:
+    """Two rigid links with a spring k = 1 between them, squeezed by 2 (1 - cos(phi)), take P = 2 phi / sin(phi)."""
+    m = kg.Model(dim=2)
+    bottom, middle, top = m.add(kg.Node(0, 0), kg.Node(0, 1), kg.Node(0, 2))
+    m.add(kg.Bar(bottom, middle, 1e4), kg.Bar(middle, top, 1e4), kg.TorsionSpring3(bottom, middle, top, 1.0))
+    m.add(kg.Fix(bottom), kg.Fix(top, "x"), kg.Prescribe(top, y=-0.2))
+    res = kg.DisplacementControl(m, corrector=corrector).run()
+    assert res.stable.all()
+    assert any(event.kind == "switch" for event in res.events)
+    angle = np.arccos(0.9)
+    assert -res.reaction(top, "y")[-1] == pytest.approx(2 * angle / np.sin(angle), rel=1e-3)
+
+
+@pytest.mark.parametrize("corrector", CORRECTORS)
+@pytest.mark.parametrize("imperfection", [0.0, 1e-6, 1e-3])
+def test_thin_slit_sheet_is_carried_through_buckling(
+    corrector: str, imperfection: float, energy_in_plane: float
+) -> None:
+    """Every stored step is a stable equilibrium; at the end far out of the plane, with less energy than in it."""
+    m = slit_sheet(imperfection)
+    analysis = kg.DisplacementControl(m, corrector=corrector)
+    res = analysis.run()
+    assert res.lam[-1] == 1.0
+    assert res.stable[1:].all()
+    assert res.residual.max() <= analysis.tol
+    assert np.ptp(res.u[-1, :, 2]) > 10e-3  # many thicknesses
+    assert sum(energy[-1] for energy in res.energy.values()) < 0.99 * energy_in_plane
+
+
+def test_the_same_run_gives_the_same_digits() -> None:
+    first, second = (kg.DisplacementControl(slit_sheet(1e-3)).run() for _ in range(2))
+    np.testing.assert_array_equal(first.u, second.u)
+    assert first.stats["factorizations"] == second.stats["factorizations"]
+
+
+def test_unknown_corrector() -> None:
+    with pytest.raises(kg.ModelError, match="corrector must be one of"):
+        kg.DisplacementControl(slit_sheet(0.0), corrector="hope")
