@@ -24,6 +24,7 @@ import argparse
 import contextlib
 import csv
 import json
+import os
 import signal
 import subprocess
 import sys
@@ -337,8 +338,10 @@ class Worker:
         process = self.process
         if process is None:
             command = [sys.executable, "-W", "ignore", __file__, "--work"]
+            # One thread each: workers that share the processors must not wait for one another in small matrices.
+            alone = {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1", **os.environ}
             process = subprocess.Popen(
-                command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+                command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, env=alone
             )
             self.process = process
         assert process.stdin is not None and process.stdout is not None and process.stderr is not None

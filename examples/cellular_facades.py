@@ -8,7 +8,9 @@ Hinge Approach" (SI units). The paper says E = 2.5 GPa, nu = 0.34, and how many 
 * pull: the text says 0.2 m and 20 %, the script moves the grip by 0.4 m on 2 m of cells. Here strain is the pull over
   2 m, and 0.2 of it is 0.4 m. Who reads 0.2 m finds the answer at strain 0.1 of every curve. 20 % of the whole sheet of
   2.4 m would be strain 0.24, which lies beyond.
-* open area: all cuts, those at the sides closed by the chord of their mouth.
+* thickness: 3 mm, as the script says; a comment in it gives the shell model 2 mm, which bends 3.4 times more easily.
+* open area: all cuts, those at the sides closed by the chord of their mouth. The paper bounds the difference from its
+  shells by 6 % in the text and by 6.8 % in Table 1; the tests hold 7 %.
 * imperfection: a smooth bump of 0.05 m without stress; the paper takes an eigenmode of unstated size.
 
     python examples/cellular_facades.py                  coarse meshes, some minutes
@@ -33,7 +35,7 @@ WIDTH, CELLS_HEIGHT, MARGIN, GRIP = 2.0, 2.0, 0.2, 0.095
 THICKNESS, OPENING, BUMP, MATERIAL = 0.003, 0.005, 0.05, kg.Material(E=2.5e9, nu=0.34)
 STIFFNESS = "plate"
 EDGE, FULL_EDGE = 0.07, 0.032  # the longer one for a first look; the shorter one is the published script's
-STRAINS = (0.02, 0.05, 0.1, 0.15, 0.17, 0.2)  # reached exactly
+STRAINS, EARLY = (0.02, 0.05, 0.1, 0.15, 0.17, 0.2), (0.0025, 0.005, 0.01)  # reached exactly; the latter for the curves
 SHELL = Path(__file__).parent / "data" / "cellular_2x5_shell.csv"
 
 
@@ -101,7 +103,7 @@ def stretch(facade: Facade, max_edge: float = EDGE, strain: float = 1.0, progres
     start = time.process_time()
     m, bottom, top = facade_model(facade, max_edge)
     end = min(strain, facade.strain)
-    targets = [value / facade.strain for value in STRAINS if value < end]
+    targets = [value / facade.strain for value in (*EARLY, *STRAINS) if value < end]
     res = kg.DisplacementControl(m, to=end / facade.strain, targets=targets).run(progress=progress)
     seconds = time.process_time() - start
     return Stretched(
@@ -182,7 +184,7 @@ def picture(found: dict[str, Stretched], path: str) -> None:
         area.set(xlabel="strain", ylabel="open area [m$^2$]", xlim=(0, None), ylim=(0, None))
         stress.set(xlabel="strain", ylabel="stress on the uncut section [kPa]", xlim=(0, None))
         area.legend()
-        figure.savefig(path, dpi=150)
+        figure.savefig(path, dpi=100)
 
 
 def main(

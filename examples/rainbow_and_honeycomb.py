@@ -34,7 +34,7 @@ from kirigami.post.shape import height, poisson_ratio
 MYLAR, THICKNESS, STIFFNESS = kg.Material(E=3500.0, nu=0.34), 0.127, "plate"
 MARGIN, GRIP = 4.0, 2.0  # uncut strip at each end, of which the clamp holds the outer part
 PARTED = 0.5  # of a thickness
-STRAINS = (0.1, 0.3, 0.5)  # reached exactly
+STRAINS, EARLY = (0.1, 0.3, 0.5), (0.0005, 0.001, 0.002, 0.005, 0.01)  # reached exactly; the latter for the curves
 EDGE, FULL_EDGE = 3.0, 1.5
 
 
@@ -128,7 +128,7 @@ def pull(
     """Pull one sheet."""
     start = time.process_time()
     m, top = clamped_sheet(pattern, max_edge, thickness, strain)
-    targets = [value / strain for value in STRAINS if value < strain]
+    targets = [value / strain for value in (*EARLY, *STRAINS) if value < strain]
     res = kg.DisplacementControl(m, targets=targets).run(progress=progress)
     seconds = time.process_time() - start
     shapes, strains = res.position(), res.lam * strain
@@ -180,13 +180,13 @@ def picture(found: dict[str, Pulled], path: str) -> None:
         for number, (key, label) in enumerate(labels.items()):
             ax = figure.add_axes([0.06 + 0.245 * number, 0.08, 0.185, 0.25])
             for name, one in found.items():
-                ax.plot(one.strain[1:], getattr(one, key)[1:], color=colors[name], label=name)
+                ax.plot(one.strain, getattr(one, key), color=colors[name], label=name)
             ax.set(xlabel="strain", ylabel=label, xlim=(0, None))
             if key == "poisson":
                 ax.legend()
             else:
                 ax.set_ylim(0, None)
-        figure.savefig(path, dpi=150)
+        figure.savefig(path, dpi=100)
 
 
 def main(

@@ -157,7 +157,7 @@ def picture(compared: Pulled, off: dict[str, np.ndarray], regimes: Pulled, toget
     shell, lips = read("single_cut_disc_shell.csv"), read("single_cut_disc_shell_lips.csv")
     with matplotlib.rc_context(SETTINGS):
         figure = pyplot.figure(figsize=(10.5, 6.2))
-        for one, place, name in ((compared, 0.0, "one lip up, one down"), (together, 0.33, "both lips on one side")):
+        for one, place, name in ((regimes, 0.0, "one lip up, one down"), (together, 0.33, "both lips on one side")):
             ax = figure.add_axes([place, 0.5, 0.32, 0.46], projection="3d")
             step = int(np.argmin(np.abs(one.strain - 0.02)))
             one.results.plot(step, ax=ax, view=(34, -58), colorbar=False)
@@ -186,7 +186,7 @@ def picture(compared: Pulled, off: dict[str, np.ndarray], regimes: Pulled, toget
         ax.loglog(shell["strain"][1:], shell["force"][1:] * scale, "o", ms=3, mfc="none", color=INK, label="shells")
         limit = inextensible_limits()[1]
         ax.axvline(limit, color=GREY, linewidth=0.8, linestyle=(0, (3, 2)))
-        ax.text(limit * 0.9, 0.45, "inextensible\nfrom grip to grip", ha="right", fontsize=7, color=INK)
+        ax.text(limit * 0.82, 0.45, "inextensible\nfrom grip to grip", ha="right", fontsize=7, color=INK)
         first, last = regimes.crossing(0.6, rising=False), regimes.crossing(1.0, rising=True)
         top = ax.get_ylim()[1]
         for name, strain in (("i", 3e-6), ("ii", np.sqrt(first * last)), ("iii", 1.35 * last)):

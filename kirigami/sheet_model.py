@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
+import warnings
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from kirigami.elements.bar import Bar
 from kirigami.elements.bend_hinge import BendHinge
-from kirigami.errors import ModelError
+from kirigami.errors import KirigamiWarning, ModelError
 from kirigami.model import Material, Model, ModelObject, Node, require_positive
-from kirigami.stiffness import Calibration, SheetConstants, bar_stiffness, hinge_stiffness
+from kirigami.stiffness import Calibration, SheetConstants, bar_stiffness, directional_bias, hinge_stiffness
+
+FEW = 50  # facets below which a mesh is too small to have a pattern
+BIAS = 0.1  # unevenness of edge directions that goes with moduli off by more than a fifth once the mesh relaxes
 
 if TYPE_CHECKING:
     from kirigami.geometry.mesh import TriMesh
@@ -43,6 +47,7 @@ def populate(
             raise ModelError("Model.from_mesh: stiffness='split' bends, so it needs dim=3; in a plane use 'facet'")
         (_add_facets if rung == "facet" else _add_curved_facets)(model, mesh, thickness, material)
         return
+    _warn_of_bias(mesh)
     EA = bar_stiffness(mesh, thickness, material.E, calibration.F_s).tolist()
     model.add(*(Bar(nodes[j], nodes[k], value) for (j, k), value in zip(mesh.edges.tolist(), EA)))
     if model.dim == 3:
@@ -54,6 +59,22 @@ def populate(
                 BendHinge(nodes[i], nodes[j], nodes[k], nodes[other], value)
                 for (j, k), (i, other), value in zip(edges, wings, rigidity)
             )
+        )
+
+
+def _warn_of_bias(mesh: TriMesh) -> None:
+    """Say so where bars and hinges on this mesh are far from isotropic, as on squares with one diagonal."""
+    if len(mesh.triangles) < FEW:
+        return
+    bias = directional_bias(mesh)
+    low, high = bias["E"]
+    if low < 1 - BIAS or high > 1 + BIAS:
+        warnings.warn(
+            f"the mesh is biased: its edges favour some directions, so that bars and hinges on it represent {low:.2f} "
+            f"to {high:.2f} times the stiffness before they relax, and G and twisting rigidity are off by more than "
+            "20 %. Use a mesh without a pattern, or stiffness='split'; kirigami.stiffness.report(mesh) has the numbers",
+            KirigamiWarning,
+            stacklevel=4,
         )
 
 

@@ -44,6 +44,12 @@ class Sweep:
     seed : int
         From it and the number of the design follows the seed of each design.
 
+    Raises
+    ------
+    ModelError
+        No designs, parameters that differ between designs or that the function does not take, values that are not
+        finite numbers or words, or a name that the table needs for itself.
+
     Notes
     -----
     On a Dask cluster, with this package installed on every worker::
@@ -52,12 +58,6 @@ class Sweep:
         table = kg.Sweep(function, designs, "table.csv").run(Client("scheduler:8786"))
 
     Every design carries its parameters, seed, seconds, the version of this package, status and error into the table.
-
-    Raises
-    ------
-    ModelError
-        No designs, parameters that differ between designs or that the function does not take, values that are not
-        finite numbers or words, or a name that the table needs for itself.
 
     Examples
     --------

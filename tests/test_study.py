@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from matplotlib import pyplot
 
 import kirigami as kg
 from kirigami.study.shapes import ShapeSpace
@@ -158,6 +159,7 @@ def test_the_picture_tells_every_run() -> None:
     assert any("branch 1" in title for title in titles)
     texts = [text.get_text() for ax in figure.axes for text in ax.texts]
     assert texts.count("1") == 2
+    pyplot.close(figure)
 
 
 def test_arguments_that_cannot_be_used() -> None:

@@ -10,7 +10,8 @@ from kirigami.kernel import Array
 from kirigami.results import Step
 from kirigami.system import System
 
-TURNS = 0.05, 0.0125, 0.2, 0.003  # turn of a member by which the mode leads away from the bifurcation, tried in turn
+TURNS = 0.05, 0.0125, 0.003, 0.0008, 0.2  # turns of a member by which the mode leads away from the bifurcation
+NEAR = 0.02  # share by which the load factor may change in that first step, if a shorter one can be had
 STRAIGHT = 0.5  # least cosine between the mode and the way to the point found
 
 
@@ -37,6 +38,7 @@ def leave_along_mode(path: Corrector, located: Step, mode: Array, sign: int) -> 
     shape = system.displacement(direction, 0.0) - system.displacement(0 * direction, 0.0)
     turn = system.largest_rotation(shape)
     control = ModeControl(origin, direction)
+    best: tuple[Point, Attempt] | None = None
     for size in TURNS:
         far = size / turn
         system.history = located.history
@@ -48,6 +50,14 @@ def leave_along_mode(path: Corrector, located: Step, mode: Array, sign: int) -> 
             continue
         way = attempt.state.u - origin.u
         if float((way * shape).sum()) >= STRAIGHT * float((way**2).sum() * (shape**2).sum()) ** 0.5:
-            system.commit(attempt.state.u)
-            return Point(attempt.state, tangent, system.history), attempt
-    return None
+            best = Point(attempt.state, tangent, located.history), attempt
+            if abs(attempt.state.lam - origin.lam) <= NEAR * abs(origin.lam):
+                break
+        if best is not None and size == TURNS[-2]:
+            break
+    if best is None:
+        return None
+    system.history = located.history
+    system.commit(best[0].state.u)
+    best[0].history = system.history
+    return best

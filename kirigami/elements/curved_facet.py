@@ -47,6 +47,7 @@ from kirigami.kernel import Array, Contribution, Kernel, displacement_of
 from kirigami.model import Material, ModelObject, Node, Numbering, require_positive
 from kirigami.normal import Normal
 
+CHUNK = 512  # facets whose Hessians are made at a time, so that they stay in the processor's cache
 DEGENERATE = 1e-10  # least height of a facet over its longest edge
 # End slopes are listed edge by edge: slope 2 c is at the start of edge c, slope 2 c + 1 at its end.
 CORNER_OF_SLOPE = np.array([corner for pair in zip(STARTS, ENDS) for corner in pair])
@@ -268,12 +269,16 @@ class CurvedFacetKernel(Kernel):
         gradient[:, :3] -= keep
         if need == 1:
             return Contribution(energy, gradient)
-        return Contribution(
-            energy, gradient, self._hessian(edges, normals, stretch, force, moment, spread, hidden, chain, across)
-        )
+        state = (edges, normals, stretch, force, moment, spread, hidden, chain, across)
+        hessian = np.empty((len(energy), 6, 6, 3, 3))
+        for start in range(0, len(energy), CHUNK):
+            part = slice(start, start + CHUNK)
+            hessian[part] = self._hessian(part, *(values[part] for values in state))
+        return Contribution(energy, gradient, hessian)
 
     def _hessian(
         self,
+        part: slice,
         edges: Array,
         normals: Array,
         stretch: Array,
@@ -287,24 +292,25 @@ class CurvedFacetKernel(Kernel):
         n = len(edges)
         exact = 1.0 - self.convexity
         if self._force_ahead is not None:
-            force = self._force_ahead
+            force = self._force_ahead[part]
         tension = force
         if self.convexity:
-            force = exact * force + self.convexity * without_compression(force, self._to_strain)
+            force = exact * force + self.convexity * without_compression(force, self._to_strain[part])
             tension = exact * tension + self.convexity * np.maximum(force, 0.0)
-        pull = force / self._square
+        square = self._square[part]
+        pull = force / square
         # Second derivatives by the nine generalized strains. The hidden length acts through the slopes.
         inner = np.empty((n, 9, 9))
-        membrane = self._membrane / (self._square[:, :, None] * self._square[:, None])
+        membrane = self._membrane[part] / (square[:, :, None] * square[:, None])
         inner[:, :3, :3] = membrane
         inner[:, :3, 3:] = membrane[:, :, EDGE_OF_SLOPE] * hidden[:, None]
         inner[:, 3:, :3] = inner[:, :3, 3:].transpose(0, 2, 1)
-        inner[:, 3:, 3:] = self._bending + membrane[:, EDGE_OF_SLOPE][:, :, EDGE_OF_SLOPE] * (
+        inner[:, 3:, 3:] = self._bending[part] + membrane[:, EDGE_OF_SLOPE][:, :, EDGE_OF_SLOPE] * (
             hidden[:, :, None] * hidden[:, None]
         )
         for c in range(3):
-            part = slice(3 + 2 * c, 5 + 2 * c)
-            inner[:, part, part] += (tension[:, c] / self._square[:, c])[:, None, None] * HIDDEN
+            ends = slice(3 + 2 * c, 5 + 2 * c)
+            inner[:, ends, ends] += (tension[:, c] / square[:, c])[:, None, None] * HIDDEN
         flat = chain.reshape(n, 9, 18)
         hessian = (flat.transpose(0, 2, 1) @ inner @ flat).reshape(n, 6, 3, 6, 3).transpose(0, 1, 3, 2, 4).copy()
         # Geometric part: the chords, the product of normal and chord, and the curving of the unit sphere.
@@ -316,7 +322,7 @@ class CurvedFacetKernel(Kernel):
             _add(hessian, a, b, -block)
         turning = exact * (moment + pull[:, EDGE_OF_SLOPE] * hidden)
         for corner in range(3):
-            length = self.tip_length[:, corner, None, None]
+            length = self.tip_length[part, corner, None, None]
             tip = 3 + corner
             load = np.zeros((n, 3))
             for s in np.flatnonzero(CORNER_OF_SLOPE == corner):
@@ -330,7 +336,7 @@ class CurvedFacetKernel(Kernel):
             outward = np.einsum("na,na->n", load, d)[:, None, None]
             off = np.einsum("nab,nb->na", across[:, corner], load)[:, :, None] * d[:, None]
             curl = -(outward * across[:, corner] + off + off.transpose(0, 2, 1)) / size
-            rigidity = self.rigidity[:, None, None]
+            rigidity = self.rigidity[part, None, None]
             curl += rigidity * d[:, :, None] * d[:, None]
             curl += exact * rigidity * spread[:, corner, None, None] * across[:, corner]
             curl /= length**2

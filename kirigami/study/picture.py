@@ -27,13 +27,13 @@ def draw_study(study: ImperfectionStudy) -> Figure:
     ModelError
         No run reached its end.
     """
-    from matplotlib.figure import Figure
+    from matplotlib import pyplot
 
     numbers = list(study.branches)
     if not numbers:
         raise ModelError("no run of the study reached its end, so there is no final shape to draw")
     drawn = numbers[:MOST]
-    figure = Figure(figsize=(max(2.0 * len(drawn), 5.2), 4.6), layout="constrained")
+    figure = pyplot.figure(figsize=(max(2.0 * len(drawn), 5.2), 4.6), layout="constrained")
     above, below = figure.subfigures(2, 1, height_ratios=(1.1, 1.0))
     solid = study.model.dim == 3
     largest = max(float(np.abs(study.final(number).position()[-1][:, 2]).max()) for number in drawn)
@@ -65,13 +65,13 @@ def _draw_shape(study: ImperfectionStudy, ax: Any, number: int, largest: float) 
 
 def _draw_table(study: ImperfectionStudy, ax: Any) -> None:
     """One square per run: modes along, amplitudes and signs up."""
+    from matplotlib.patches import Rectangle
+
     lines = sorted({(case.amplitude, case.sign) for case in study.cases}, key=lambda line: (-line[0], -line[1]))
     for case in study.cases:
         row = lines.index((case.amplitude, case.sign))
         face = _color(case.branch) if case.branch else "white"
         edge = {"edgecolor": style.GREY if not case.branch else face, "linewidth": 0.8}
-        from matplotlib.patches import Rectangle
-
         ax.add_patch(Rectangle((case.mode - 0.44, row - 0.42), 0.88, 0.84, facecolor=face, **edge))
         text = f"{case.branch}" if case.branch else "failed"
         ax.text(case.mode, row, text, ha="center", va="center", color="white" if case.branch else style.INK, fontsize=8)
