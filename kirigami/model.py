@@ -229,7 +229,7 @@ class Model(ModelFiles):
         stiffness: str | Calibration = "plate",
         dim: int = 3,
     ) -> Model:
-        """A sheet model: every mesh edge a bar, every inner edge a bending hinge.
+        """A sheet model: every mesh edge a bar, every inner edge a bending hinge, or every facet an element of its own.
 
         Parameters
         ----------
@@ -239,15 +239,23 @@ class Model(ModelFiles):
             Sheet thickness [length]; None takes the one the mesh carries from its sheet.
         material : Material, optional
             None takes the one the mesh carries from its sheet.
-        stiffness : {"plate", "paper"} or Calibration
-            "plate": constants from plate theory; "paper": the published constants. See :mod:`kirigami.stiffness`.
+        stiffness : {"plate", "paper", "facet", "split"} or Calibration
+            "plate": bars and hinges with constants from plate theory, the cheapest; "paper": with the published
+            constants; "facet": facets whose three edges stretch and fold together; "split": curved facets, which
+            converge to shell theory and cost about three times as much on the same mesh. See
+            :mod:`kirigami.stiffness`.
         dim : {3, 2}
-            2 gives bars only.
+            2 gives bars only, or the membrane of "facet".
 
         Raises
         ------
         ModelError
             Thickness or material missing or out of range, unknown stiffness.
+
+        Warns
+        -----
+        KirigamiWarning
+            Where the edges of the mesh favour some directions so much that bars and hinges on it are off by a fifth.
 
         Examples
         --------

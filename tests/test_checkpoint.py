@@ -19,7 +19,7 @@ Build = Callable[[], kg.DisplacementControl | kg.ArcLength]
 
 
 def pulled_sheet(thickness: float = 0.3e-3) -> kg.DisplacementControl:
-    """A sheet of 5 x 5 squares with a slit in the middle, flat, so that it is left at a bifurcation when its lips buckle."""
+    """A flat sheet of 5 x 5 squares with a slit in the middle, whose path is left where the lips of the slit buckle."""
     slit = [(2, 2), (3, 2)]
     x, y = np.meshgrid(np.arange(6.0), np.arange(6.0))
     points = np.column_stack([x.ravel(), y.ravel()])

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib.util
+import sys
 from math import sqrt
 from pathlib import Path
 from typing import Any
@@ -38,6 +39,7 @@ def test_example(
     specification = importlib.util.spec_from_file_location(name, EXAMPLES / f"{name}.py")
     assert specification is not None and specification.loader is not None
     module = importlib.util.module_from_spec(specification)
+    monkeypatch.setitem(sys.modules, name, module)  # where dataclasses look up their annotations
     specification.loader.exec_module(module)
     monkeypatch.chdir(tmp_path)
     assert module.main(**options) == pytest.approx(value, rel=tolerance)

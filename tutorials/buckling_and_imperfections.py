@@ -90,7 +90,7 @@ edge = flat.index(top)
 
 _, (force_ax, height_ax) = plt.subplots(1, 2, figsize=(7.5, 3.2), layout="constrained")
 middle = int(np.argmax(np.abs(first.mode[:, 2])))
-for results, label, style in ((followed, "flat", "--"), (up, "branch +1", "-"), (down, "branch −1", "-")):
+for results, label, style in ((followed, "flat", "--"), (up, "branch +1", "-"), (down, "branch -1", "-")):
     force_ax.plot(results.lam, -results.reaction(edge, "y"), style, label=label)
     height_ax.plot(results.lam, results.u[:, middle, 2] / THICKNESS, style, label=label)
 force_ax.set(xlabel="load factor", ylabel="force")

@@ -7,7 +7,7 @@ from typing import Protocol
 from kirigami.analysis.control import Control, ModeControl
 from kirigami.analysis.state import Attempt, Point, State, Tangent
 from kirigami.kernel import Array
-from kirigami.results import Step
+from kirigami.results import Event, Results, Step
 from kirigami.system import System
 
 TURNS = 0.05, 0.0125, 0.003, 0.0008, 0.2  # turns of a member by which the mode leads away from the bifurcation
@@ -19,6 +19,7 @@ class Corrector(Protocol):
     """What is asked of the path analysis that walks."""
 
     system: System
+    found: Results
 
     def correct(self, control: Control, state: State) -> Attempt: ...
 
@@ -61,3 +62,26 @@ def leave_along_mode(path: Corrector, located: Step, mode: Array, sign: int) -> 
     system.commit(best[0].state.u)
     best[0].history = system.history
     return best
+
+
+def switch(
+    path: Corrector, events: list[Event], before: Point, after: Point, attempt: Attempt
+) -> tuple[Point, Point, Attempt]:
+    """Where an eigenvalue has become negative at a bifurcation, the step on to its branch instead of the one made.
+
+    Only for controls with an unknown load factor; at a given one a relaxation finds the stable equilibrium.
+    """
+    for event in events:
+        if event.kind != "bifurcation" or after.negative <= before.negative:
+            continue
+        assert event.located is not None and event.mode is not None
+        found = leave_along_mode(path, event.located, event.mode, 1)
+        if found is not None:
+            message = f"left at the bifurcation at load factor {event.lam:.6g} for the branch along its mode"
+            path.found.events.append(Event("switch", event.lam, event.step, message, event.bracket))
+            q = path.system.unknowns(event.located.u)
+            lam = event.located.lam
+            origin = Point(State(q, lam, path.system.displacement(q, lam)), before.tangent, event.located.history)
+            return origin, *found
+    path.system.history = after.history
+    return before, after, attempt

@@ -11,17 +11,22 @@ import hashlib
 import json
 import os
 import time
+from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from kirigami.analysis.increments import Increments
+from kirigami.analysis.state import Attempt, Point, State
 from kirigami.errors import AnalysisError, ModelError
+from kirigami.linalg import SingularMatrixError
 from kirigami.model import Model, Node
 from kirigami.results import Results, Step
 from kirigami.storage import pack, read, unpack_path, write
 
 if TYPE_CHECKING:
+    from kirigami.analysis.walk import PathAnalysis
     from kirigami.system import System
 
 BUSY = 20  # a checkpoint waits until this many times the seconds that the last one took have passed
@@ -92,6 +97,13 @@ class Checkpoint:
         self._next = ended + BUSY * (ended - started)
 
 
+def settings_of(path: PathAnalysis) -> dict[str, Any]:
+    """What tells an analysis from another one of the same model; where it ends by choice does not."""
+    free = ("model", "results", "system", "found", "control", "stop", "max_steps")
+    settings = {name: value for name, value in vars(path).items() if name not in free and name[0] != "_"}
+    return {"analysis": type(path).__name__, **settings}
+
+
 def fingerprint(system: System, settings: dict[str, Any]) -> str:
     """A digest of a lowered model and of the settings of an analysis."""
     digest = hashlib.sha256()
@@ -124,3 +136,32 @@ def _add(digest: Any, value: Any, model: Model) -> None:
         _add(digest, [value.lam, value.u, list(value.history), value.stage], model)
     else:
         digest.update(f"{type(value).__name__};".encode())
+
+
+def resume_walk(
+    path: PathAnalysis, start: State, stored: Results, memory: dict[str, Any]
+) -> tuple[Point, Increments]:
+    """Bring the walk to where a checkpoint left it."""
+    system, results = path.system, path.found
+    # The order of elimination comes from the first matrix, and the last bits of every solution from the order.
+    with suppress(SingularMatrixError):
+        path._new_factor(system.stiffness_blocks(start.u, start.lam))
+    for step in stored.steps:
+        results.append(step)
+    results.events.extend(stored.events)
+    last, before = results[-1], results[max(len(results) - 2, 0)]
+    q = system.unknowns(last.u)
+    state = State(q, last.lam, system.displacement(q, last.lam))
+    system.history = before.history  # as it was when the tangent was taken
+    tangent = path.tangent_at(Attempt(state, True, last.residual, 0))
+    if tangent is None:
+        raise AnalysisError("the last step of the checkpoint is singular: it was not written by this version")
+    system.history = last.history
+    increments = Increments(1.0, 1.0, 1.0)
+    vars(increments).update(memory.pop("increments"))
+    vars(path.control).update(memory)
+    seconds = dict(stored.stats["seconds"])
+    path._started -= seconds.pop("total", 0.0)
+    system.clock.seconds = seconds
+    results.stats = stored.stats
+    return Point(state, tangent, last.history), increments

@@ -54,6 +54,8 @@ class Strategy:
     cuts : int
         Shorter increments tried before the hard way: a descent after Newton's method, or one that moves only what is
         driven where the prediction turns members too far.
+    wary : bool
+        Cut also where the tangent is indefinite at the prediction, so that a descent starts closer to the instability.
     least_growth, growth_after_snap : float
         Least factor from an increment to the next, and the factor where the descent led far off.
     """
@@ -68,6 +70,7 @@ class Strategy:
     chords: int = 2
     turn: float = 1.0
     cuts: int = 1
+    wary: bool = False
     least_growth: float = 0.9
     growth_after_snap: float = 1.5
 

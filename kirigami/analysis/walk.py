@@ -11,21 +11,20 @@ import copy
 import os
 import warnings
 from collections.abc import Callable, Iterable
-from contextlib import suppress
 from typing import Any, NoReturn
 
 import numpy as np
 
 from kirigami.analysis.base import Analysis, make_step
-from kirigami.analysis.branch import leave_along_mode
-from kirigami.analysis.checkpoint import Checkpoint, fingerprint
+from kirigami.analysis.branch import leave_along_mode, switch
+from kirigami.analysis.checkpoint import Checkpoint, fingerprint, resume_walk, settings_of
 from kirigami.analysis.control import Control, LoadFactorControl
 from kirigami.analysis.descent import CORRECTORS, descend
 from kirigami.analysis.events import JumpError, report_events
 from kirigami.analysis.increments import Increments
 from kirigami.analysis.newton import correct
 from kirigami.analysis.state import Attempt, Point, State, Tangent
-from kirigami.errors import AnalysisError, ConvergenceError, KirigamiWarning, ModelError
+from kirigami.errors import ConvergenceError, KirigamiWarning, ModelError
 from kirigami.kernel import Array
 from kirigami.linalg import Factor, SingularMatrixError
 from kirigami.model import Model, require_positive
@@ -145,7 +144,7 @@ class PathAnalysis(Analysis):
         self._checkpoint = None
         stored = None
         if checkpoint is not None:
-            self._checkpoint = Checkpoint(checkpoint, fingerprint(system, self._settings()))
+            self._checkpoint = Checkpoint(checkpoint, fingerprint(system, settings_of(self)))
             stored = self._checkpoint.read() if resume else None
         with progress_bar(progress, type(self).__name__) as self._bar:
             try:
@@ -171,7 +170,7 @@ class PathAnalysis(Analysis):
         system, control, results = self.system, self.control, self.found
         start = self._starting_state()
         if stored is not None:
-            point, increments = self._resume(start, *stored)
+            point, increments = resume_walk(self, start, *stored)
         else:
             point = self._first_equilibrium(start) if self.branch is None else self._begin_branch(start)
             increments = self._plan(control, point.state, point.tangent)
@@ -207,7 +206,7 @@ class PathAnalysis(Analysis):
                     self._fail(attempt, increment)
                 increment = shorter
             if self.on_instability == "switch" and not isinstance(control, LoadFactorControl):
-                before, point, attempt = self._switch(results.events[known:], before, point, attempt)
+                before, point, attempt = switch(self, results.events[known:], before, point, attempt)
             control.accept(before.state, point.state)
             self._store(point, attempt)
             self._steer(increments, point)
@@ -219,12 +218,6 @@ class PathAnalysis(Analysis):
 
     # ---- checkpoints
 
-    def _settings(self) -> dict[str, Any]:
-        """What tells this analysis from another one of the same model; where it ends by choice does not."""
-        free = ("model", "results", "system", "found", "control", "stop", "max_steps")
-        settings = {name: value for name, value in vars(self).items() if name not in free and name[0] != "_"}
-        return {"analysis": type(self).__name__, **settings}
-
     def _note(self, increments: Increments) -> None:
         """Tell the checkpoint, if there is one, where the walk stands."""
         if self._checkpoint is not None:
@@ -234,32 +227,6 @@ class PathAnalysis(Analysis):
     def _write_checkpoint(self) -> None:
         if self._checkpoint is not None:
             self._checkpoint.finish()
-
-    def _resume(self, start: State, stored: Results, memory: dict[str, Any]) -> tuple[Point, Increments]:
-        """Bring the walk to where a checkpoint left it."""
-        system, results = self.system, self.found
-        # The order of elimination comes from the first matrix, and the last bits of every solution from the order.
-        with suppress(SingularMatrixError):
-            self._new_factor(system.stiffness_blocks(start.u, start.lam))
-        for step in stored.steps:
-            results.append(step)
-        results.events.extend(stored.events)
-        last, before = results[-1], results[max(len(results) - 2, 0)]
-        q = system.unknowns(last.u)
-        state = State(q, last.lam, system.displacement(q, last.lam))
-        system.history = before.history  # as it was when the tangent was taken
-        tangent = self.tangent_at(Attempt(state, True, last.residual, 0))
-        if tangent is None:
-            raise AnalysisError("the last step of the checkpoint is singular: it was not written by this version")
-        system.history = last.history
-        increments = Increments(1.0, 1.0, 1.0)
-        vars(increments).update(memory.pop("increments"))
-        vars(self.control).update(memory)
-        seconds = dict(stored.stats["seconds"])
-        self._started -= seconds.pop("total", 0.0)
-        system.clock.seconds = seconds
-        results.stats = stored.stats
-        return Point(state, tangent, last.history), increments
 
     # ---- one step
 
@@ -288,28 +255,6 @@ class PathAnalysis(Analysis):
                 relaxed.left = None if tangent is None else Point(attempt.state, tangent, before.history)
                 return relaxed, relaxed_tangent
         return attempt, tangent
-
-    def _switch(
-        self, events: list[Event], before: Point, after: Point, attempt: Attempt
-    ) -> tuple[Point, Point, Attempt]:
-        """Where an eigenvalue has become negative at a bifurcation, the step on to its branch instead of the one made.
-
-        Only for controls with an unknown load factor; at a given one a relaxation finds the stable equilibrium.
-        """
-        for event in events:
-            if event.kind != "bifurcation" or after.negative <= before.negative:
-                continue
-            assert event.located is not None and event.mode is not None
-            found = leave_along_mode(self, event.located, event.mode, 1)
-            if found is not None:
-                message = f"left at the bifurcation at load factor {event.lam:.6g} for the branch along its mode"
-                self.found.events.append(Event("switch", event.lam, event.step, message, event.bracket))
-                q = self.system.unknowns(event.located.u)
-                lam = event.located.lam
-                origin = Point(State(q, lam, self.system.displacement(q, lam)), before.tangent, event.located.history)
-                return origin, *found
-        self.system.history = after.history
-        return before, after, attempt
 
     def _begin_branch(self, origin: State) -> Point:
         """The first step on a branch of the bifurcation that the analysis starts from, which is stored as step 0."""
@@ -415,9 +360,8 @@ class PathAnalysis(Analysis):
             state = State(q, state.lam, system.displacement(q, state.lam))
             change = state.u - before.state.u
         system.linearize(before.state.u, change)
-        attempt = descend(
-            system, self._new_factor, state, self.tol, MAX_RELAXATION, strategy, self._count, wary=not hold
-        )
+        wary = strategy.wary and not hold
+        attempt = descend(system, self._new_factor, state, self.tol, MAX_RELAXATION, strategy, self._count, wary)
         attempt.iterations += 1
         attempt.drift = system.largest_rotation(attempt.state.u - state.u)
         attempt.relaxed = attempt.drift > DRIFT_LARGEST

@@ -151,7 +151,7 @@ def permeability(
     >>> import shapely
     >>> import kirigami as kg
     >>> sheet = kg.Sheet(shapely.box(0, 0, 3, 3), shapely.box(1, 1, 2, 2), 0.01, kg.Material(E=1.0))
-    >>> m = kg.Model.from_mesh(sheet.mesh(1.0))
+    >>> m = kg.Model.from_mesh(sheet.mesh(0.6))
     >>> objects = m.add(kg.Fix(m.nodes), kg.NodalLoad(m.nodes[0], (1, 0, 0)))
     >>> k = permeability(kg.LinearStatic(m).run(), length=[1.0])
     >>> bool(abs(k[-1] / (0.5**3 / 12 / 9) - 1) < 1e-12)

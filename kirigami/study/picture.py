@@ -34,7 +34,7 @@ def draw_study(study: ImperfectionStudy) -> Figure:
         raise ModelError("no run of the study reached its end, so there is no final shape to draw")
     drawn = numbers[:MOST]
     figure = pyplot.figure(figsize=(max(2.0 * len(drawn), 5.2), 4.6), layout="constrained")
-    above, below = figure.subfigures(2, 1, height_ratios=(1.1, 1.0))
+    above, below = np.ravel(figure.subfigures(2, 1, height_ratios=(1.1, 1.0)))
     solid = study.model.dim == 3
     largest = max(float(np.abs(study.final(number).position()[-1][:, 2]).max()) for number in drawn)
     for place, number in enumerate(drawn):
@@ -71,14 +71,15 @@ def _draw_table(study: ImperfectionStudy, ax: Any) -> None:
     for case in study.cases:
         row = lines.index((case.amplitude, case.sign))
         face = _color(case.branch) if case.branch else "white"
-        edge = {"edgecolor": style.GREY if not case.branch else face, "linewidth": 0.8}
-        ax.add_patch(Rectangle((case.mode - 0.44, row - 0.42), 0.88, 0.84, facecolor=face, **edge))
+        edge = face if case.branch else style.GREY
+        square = Rectangle((case.mode - 0.44, row - 0.42), 0.88, 0.84, facecolor=face, edgecolor=edge, linewidth=0.8)
+        ax.add_patch(square)
         text = f"{case.branch}" if case.branch else "failed"
         ax.text(case.mode, row, text, ha="center", va="center", color="white" if case.branch else style.INK, fontsize=8)
     ax.set_xlim(0.4, len(study.seeds) + 0.6)
     ax.set_ylim(len(lines) - 0.4, -0.6)
     ax.set_xticks(range(1, len(study.seeds) + 1))
-    ax.set_yticks(range(len(lines)), [f"{'+' if sign > 0 else '−'} {amplitude:.3g}" for amplitude, sign in lines])
+    ax.set_yticks(range(len(lines)), [f"{'+' if sign > 0 else '-'} {amplitude:.3g}" for amplitude, sign in lines])
     ax.set_xlabel("mode that is seeded")
     ax.set_ylabel("amplitude")
     ax.tick_params(length=0)
