@@ -27,10 +27,10 @@ def main(arguments: list[str]) -> None:
         x, y, _ = m.positions().T
         m.perturb(1e-4 * np.sin(7 * x) * np.cos(5 * y))
         top = m.select(boundary="top")
-        m.add(kg.Fix(m.select(boundary="bottom")), kg.Fix(top, "xz"), kg.Prescribe(top, y=1e-4))
+        m.add(kg.Fix(m.select(boundary="bottom")), kg.Fix(top, "xz"), kg.Prescribe(top, y=2e-5))
         if any(kg.System(m).compiled):
             compiled.compile_loops()  # from the cache of Numba, or anew: once per machine
-        res = kg.DisplacementControl(m, step=0.25).run()
+        res = kg.DisplacementControl(m, step=0.5).run()
         seconds = dict(res.stats["seconds"])
         total = seconds.pop("total")
         counted = res.stats["factorizations"]

@@ -2,20 +2,20 @@
 
     python benchmarks/scaling.py                      2,000 to 100,000 nodes
     python benchmarks/scaling.py 2000 500000          these sizes
-    python benchmarks/scaling.py --picture FILE.png   also draw the picture
+    python benchmarks/scaling.py --picture FILE.png   draw the picture from the table
+    KIRIGAMI_COMPILED=0 python benchmarks/scaling.py ...        without compiled loops
     KIRIGAMI_SOLVER=superlu python benchmarks/scaling.py ...   another solver
 
 Squares of the same staggered slits, more of them on a larger sheet, with about 60 nodes a slit. Timed are: mesh, model,
 system (lowering), tangent (assembly, pattern known), ordering (first factorisation less a later one), factorisation
 (pattern known), solution of one right-hand side, linear static analysis, four eigenmodes, and the first increments of
 stretching from flat (to a strain of 0.002 %, with an imperfection, in two increments at first), all in CPU seconds of
-one thread, so that other work on the machine matters little. A table goes to a CSV file next to this script.
+one thread, so that other work on the machine matters little. The rows go to a table next to this script.
 """
 
 from __future__ import annotations
 
 import csv
-import json
 import os
 import resource
 import subprocess
@@ -146,32 +146,45 @@ def draw(rows: list[dict[str, Any]], path: str) -> None:
     figure.savefig(path, dpi=130)
 
 
+def table() -> list[dict[str, Any]]:
+    """The rows measured so far."""
+    if not TABLE.exists():
+        return []
+    with TABLE.open(newline="") as file:
+        return list(csv.DictReader(file))
+
+
+def record(row: dict[str, Any]) -> None:
+    """Put a row into the table, in place of an older one of the same size and solver."""
+    kept = [old for old in table() if (old["nodes"], old["solver"]) != (str(row["nodes"]), row["solver"])]
+    rows = sorted([*kept, row], key=lambda r: (r["solver"], float(r["nodes"])))
+    with TABLE.open("w", newline="") as file:
+        writer = csv.DictWriter(file, list(row))
+        writer.writeheader()
+        writer.writerows(rows)
+
+
 def main(arguments: list[str]) -> None:
     if arguments[:1] == ["--measure"]:
-        print(json.dumps(measure(int(arguments[1]))))
+        row = measure(int(arguments[1]))
+        record(row)
+        print("  ".join(f"{key} {value}" for key, value in row.items()))
         return
-    picture = arguments[arguments.index("--picture") + 1] if "--picture" in arguments else None
-    sizes = [int(a) for a in arguments if a.isdigit()] or SIZES
-    rows = []
+    sizes = [int(a) for a in arguments if a.isdigit()]
+    if not sizes and "--picture" not in arguments:
+        sizes = SIZES
     one_thread = {name: "1" for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "RAYON_NUM_THREADS")}
     for size in sizes:
-        run = subprocess.run(
-            [sys.executable, __file__, "--measure", str(size)],
-            env={**os.environ, **one_thread}, capture_output=True, text=True, check=False,
-        )  # fmt: skip
-        if run.returncode:
-            print(f"{size} nodes failed:\n{run.stderr[-2000:]}")
-            continue
-        rows.append(json.loads(run.stdout.splitlines()[-1]))
-        print("  ".join(f"{key} {value}" for key, value in rows[-1].items()), flush=True)
-        with TABLE.open("w", newline="") as file:
-            writer = csv.DictWriter(file, rows[0])
-            writer.writeheader()
-            writer.writerows(rows)
-    if sum(row["nodes"] >= 4_000 for row in rows) > 1:
-        print("exponents above 4,000 nodes: " + ", ".join(f"{part} {exponent(rows, part):.2f}" for part in PARTS))
-    if picture:
-        draw(rows, picture)
+        command = [sys.executable, __file__, "--measure", str(size)]
+        subprocess.run(command, env={**os.environ, **one_thread}, check=False)  # a size that fails says so itself
+    solvers = sorted({row["solver"] for row in table()})
+    for solver in solvers:
+        rows = [row for row in table() if row["solver"] == solver]
+        if sum(float(row["nodes"]) >= 4_000 for row in rows) > 1:
+            growth = ", ".join(f"{part} {exponent(rows, part):.2f}" for part in PARTS)
+            print(f"{solver}: exponents above 4,000 nodes: {growth}")
+    if "--picture" in arguments:
+        draw([row for row in table() if row["solver"] == "multifrontal"], arguments[arguments.index("--picture") + 1])
 
 
 if __name__ == "__main__":

@@ -120,16 +120,17 @@ def picture(found: dict[str, Stretched], path: str) -> None:
     from kirigami.plot.style import INK, SETTINGS, color_bar
 
     with matplotlib.rc_context(SETTINGS):
-        figure = pyplot.figure(figsize=(10.5, 6.0))
+        figure = pyplot.figure(figsize=(10.5, 3.9))
         for place, (kind, one) in zip((0.0, 0.5), found.items()):
             height = 1e3 * one.results.position()[-1, :, 2]
-            top = figure.add_axes([place + 0.01, 0.04, 0.21, 0.86])
+            top = figure.add_axes([place + 0.005, 0.02, 0.2, 0.86])
             one.results.plot(ax=top, view="top", colorbar=False, color=height, cmap="viridis")
             top.set_axis_off()
-            solid = figure.add_axes([place + 0.2, 0.12, 0.25, 0.76], projection="3d")
+            solid = figure.add_axes([place + 0.205, 0.1, 0.235, 0.75], projection="3d")
+            solid.patch.set_visible(False)
             one.results.plot(ax=solid, view=(38, -60), colorbar=False, color=height, cmap="viridis")
             scale = matplotlib.cm.ScalarMappable(matplotlib.colors.Normalize(height.min(), height.max()), "viridis")
-            color_bar(solid, scale, "height z [mm]", figure.add_axes([place + 0.452, 0.3, 0.008, 0.4]))
+            color_bar(solid, scale, "height z [mm]", figure.add_axes([place + 0.444, 0.25, 0.007, 0.45]))
             title = f"{COUNT} cuts {kind}" + (f" in {len(one.results.mesh.cuts)} groups" if kind == "crossing" else "")
             words = f"{title}: force {one.force[-1]:.0f} N, open area {1e6 * one.open_area[-1]:.0f} mm$^2$"
             figure.text(place + 0.23, 0.94, words, ha="center", color=INK)

@@ -13,6 +13,8 @@ from kirigami.kernel import Array
 
 if TYPE_CHECKING:
     from kirigami.geometry.mesh import TriMesh
+    from kirigami.model import Material
+    from kirigami.post.stress import SheetStress
     from kirigami.results import Results
 
 
@@ -44,7 +46,7 @@ class ResultsShape:
         """
         from kirigami.post.shape import width
 
-        return width(cast("Results", self).position(), self._drawn("width"), axis, band)
+        return width(self._points("width"), self._drawn("width"), axis, band)
 
     def poisson_ratio(self, axis: str = "y", band: float = 0.5, strain: ArrayLike | None = None) -> Array:
         """Minus the relative change of width over the axial strain (s,); nan at steps without strain.
@@ -77,7 +79,7 @@ class ResultsShape:
         """
         from kirigami.post.shape import poisson_ratio
 
-        return poisson_ratio(cast("Results", self).position(), self._drawn("poisson_ratio"), axis, band, strain)
+        return poisson_ratio(self._points("poisson_ratio"), self._drawn("poisson_ratio"), axis, band, strain)
 
     def curvature(self, kind: str = "mean", per: str = "facet") -> Array:
         """Curvature of the sheet (s, facets) or (s, nodes), from the angles of its hinges.
@@ -98,7 +100,37 @@ class ResultsShape:
         """
         from kirigami.post.curvature import curvature
 
-        return curvature(cast("Results", self).position(), self._drawn("curvature"), kind, per)
+        return curvature(self._points("curvature"), self._drawn("curvature"), kind, per)
+
+    def stress(
+        self, step: int | None = None, thickness: float | None = None, material: Material | None = None
+    ) -> SheetStress:
+        """Stress of the sheet at each facet: tensors, principal values, membrane forces and moments.
+
+        Parameters
+        ----------
+        step : int, optional
+            Number of one stored step; None takes all of them.
+        thickness : float, optional
+            Sheet thickness [length]; by default that of the model or the mesh.
+        material : Material, optional
+            Elastic constants; by default those of the model or the mesh.
+
+        Returns
+        -------
+        SheetStress
+            See :class:`kirigami.post.stress.SheetStress`.
+
+        Raises
+        ------
+        AnalysisError
+            The model was not made from a mesh.
+        ModelError
+            No such step, no thickness or material, or a mesh that is not flat.
+        """
+        from kirigami.post.stress import sheet_stress
+
+        return sheet_stress(cast("Results", self), step, thickness, material)
 
     def energy_shares(self) -> dict[str, Array]:
         """Energy by kind over the whole, each (s,); 0 where nothing is stored.
@@ -120,6 +152,10 @@ class ResultsShape:
         from kirigami.post.energy import energy_shares
 
         return energy_shares(cast("Results", self).energy)
+
+    def _points(self, owner: str) -> Array:
+        """Positions (s, n, 3) of the nodes of the mesh, without the tips of normals."""
+        return cast("Results", self).position()[:, : len(self._drawn(owner).nodes)]
 
     def _drawn(self, owner: str) -> TriMesh:
         """The mesh, or an AnalysisError."""

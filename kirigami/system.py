@@ -96,6 +96,7 @@ class System:
             self._measure()
         self.compiled = [compiled.serves(kernel) for kernel in self.kernels]
         self._blocks_plan: BlockPlan | None = None
+        self._links: tuple[Index, Index, Array] | None = None
         self._pick_plan: PickPlan | None = None
 
     # ---- lowering
@@ -315,7 +316,10 @@ class System:
     def load_rate(self, u: Array, lam: float, blocks: Array) -> Array:
         """Change of the residual (free,) with the load factor at fixed unknowns."""
         x = self.configuration(u)
-        rate = self.plan.multiply(blocks, self.drive.reshape(self.rest.shape)) if self.drive.any() else 0.0 * self.rest
+        plan = self.plan
+        with self.clock("assembly"):
+            drive = self.drive.reshape(self.rest.shape)
+            rate = plan.multiply(blocks, drive) if drive.any() else np.zeros_like(drive)
         for kernel in self.kernels:
             if kernel.scaled:
                 after, before = kernel.evaluate(x, lam + 1.0, 1).gradient, kernel.evaluate(x, lam, 1).gradient
@@ -396,9 +400,14 @@ class System:
 
     def largest_rotation(self, change: Array) -> float:
         """Largest relative displacement of two joined nodes over their distance, for a change (n, dim)."""
-        low, high, distance = self.plan.links(self.rest)
-        turn = np.sqrt(((change[high] - change[low]) ** 2).sum(axis=1)) / distance
-        return float(turn.max(initial=0.0))
+        plan = self.plan
+        with self.clock("step control"):
+            if self._links is None:
+                self._links = plan.links(self.rest)
+            low, high, distance = self._links
+            apart = change[high] - change[low]
+            turn = np.sqrt(np.einsum("na,na->n", apart, apart)) / distance
+            return float(turn.max(initial=0.0))
 
     # ---- history
 
@@ -406,7 +415,8 @@ class System:
         """Accept displacements `u` (n, dim or 3) as an equilibrium: history-dependent kernels move on."""
         x = self.configuration(u)
         for kernel in self.kernels:
-            kernel.commit(x)
+            with self.clock(kernel.name):
+                kernel.commit(x)
 
     def revert(self) -> None:
         """Forget everything since the last commit."""
@@ -417,7 +427,8 @@ class System:
         """See :meth:`Kernel.linearize`; without arguments, back to the exact stress."""
         x = self.rest if u is None else self.configuration(u)
         for kernel in self.kernels:
-            kernel.linearize(x, change)
+            with self.clock(kernel.name):
+                kernel.linearize(x, change)
 
     @property
     def convexity(self) -> float:
@@ -447,7 +458,8 @@ class System:
         """Raise a MechanismError that names every rigid motion the constraints leave to a connected part."""
         from kirigami.mechanism import free_rigid_motions
 
-        found = free_rigid_motions(self)
+        with self.clock("checks"):
+            found = free_rigid_motions(self)
         if found:
             motion, nodes, message = found
             raise MechanismError(message, motion=motion, nodes=nodes)

@@ -58,7 +58,7 @@ def test_thin_slit_sheet_is_carried_through_buckling(
 
 
 def test_the_same_run_gives_the_same_digits() -> None:
-    first, second = (kg.DisplacementControl(slit_sheet(1e-3)).run() for _ in range(2))
+    first, second = (kg.DisplacementControl(slit_sheet(1e-3), corrector="descent").run() for _ in range(2))
     np.testing.assert_array_equal(first.u, second.u)
     assert first.stats["factorizations"] == second.stats["factorizations"]
 

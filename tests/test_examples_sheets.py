@@ -121,16 +121,16 @@ def test_slit_ribbon_stiffness_and_transition_scale_with_thickness() -> None:
 
 
 def test_slit_ribbon_first_stiffness_scales_with_rows_and_slit_length() -> None:
-    """As 1 / (rows length^3): 1.10 and 2.8 at a length of 40 rows; the strips end in compliant joints, not in walls."""
+    """As 1 / (rows length^3): 1.09 and 2.78 at a length of 30 rows; the strips end in compliant joints, not in walls."""
 
     def stiffness(rows: int, slit: float) -> float:
         pattern = slits.rainbow(columns=1, rows=rows, pitch=slit + 4, slit=slit)
         model, top = slits.clamped_sheet(pattern, 2.0, strain=0.01, parted=0.0)
         return float(kg.LinearStatic(model).run().reaction(top, "y")[-1] / pattern.length)
 
-    base = stiffness(8, 160)
-    assert np.log(stiffness(16, 160) / base) / np.log(2) == pytest.approx(-1, rel=0.1)
-    assert np.log(stiffness(8, 200) / base) / np.log(1.25) == pytest.approx(-3, rel=0.1)
+    base = stiffness(8, 120)
+    assert np.log(stiffness(16, 120) / base) / np.log(2) == pytest.approx(-1, rel=0.1)
+    assert np.log(stiffness(8, 150) / base) / np.log(1.25) == pytest.approx(-3, rel=0.1)
 
 
 def slit_cell(name: str, max_edge: float) -> SlitCell:
@@ -200,3 +200,14 @@ def test_published_mesh_of_two_by_five_cells_against_shells() -> None:
     off = facades.against_shell(facade("2x5", facades.FULL_EDGE))
     assert np.abs(off["open area"]).max() < 0.07
     assert np.abs(off["force"]).max() < 0.10
+
+
+@pytest.mark.long
+@pytest.mark.parametrize(("name", "force_within"), [("rainbow", 0.22), ("honeycomb", 0.14)])
+def test_slit_sheets_on_meshes_of_half_the_edge(name: str, force_within: float) -> None:
+    """Shape within the bounds of the publication, 4, 4 and 5 %; force not: 20 and 12 % too low on the coarse mesh."""
+    coarse, fine = (slits.pull(slits.PATTERNS[name](), edge) for edge in (slits.EDGE, slits.FULL_EDGE))
+    for strain in slits.STRAINS:
+        one, other = coarse.at(strain), fine.at(strain)
+        for key, within in (("poisson", 0.04), ("height", 0.04), ("area", 0.05), ("force", force_within)):
+            assert one[key] == pytest.approx(other[key], rel=within), key

@@ -58,9 +58,11 @@ class Analysis:
         try:
             factor = self._factorize(system, results, matrix)
         except SingularMatrixError:
-            check_floppy(system, matrix, None)
+            with system.clock("checks"):
+                check_floppy(system, matrix, None)
             raise
-        check_floppy(system, matrix, factor)
+        with system.clock("checks"):
+            check_floppy(system, matrix, factor)
         return blocks, factor
 
 

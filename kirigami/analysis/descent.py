@@ -76,8 +76,18 @@ class Strategy:
 
 
 CORRECTORS = {
-    "newton": Strategy(newton_first=True, least=0.02, growth=3.0, decay=1.5, many=10**9, chords=0, turn=0.5, cuts=3,
-                       least_growth=0.5, growth_after_snap=1.0),
+    "newton": Strategy(
+        newton_first=True,
+        least=0.02,
+        growth=3.0,
+        decay=1.5,
+        many=10**9,
+        chords=0,
+        turn=0.5,
+        cuts=3,
+        least_growth=0.5,
+        growth_after_snap=1.0,
+    ),
     "descent": Strategy(),
     "viscous": Strategy(means="shift", least=1e-6, most=1e3, growth=10.0, decay=3.0, many=10**9),
 }

@@ -78,10 +78,13 @@ class LoadControl(_RangeAnalysis):
         real structure does in a snap; or stop there. Events tell what was met.
     branch : {1, -1}, optional
         With a bifurcation as `start`: leave it along its mode, or against it.
-    corrector : {"descent", "newton", "viscous"}
-        How stable equilibria are found where unstable ones are left (on_instability "switch"): downhill at once, with
-        compression faded out of the tangent where it is indefinite; by Newton's method at shorter and shorter
-        increments, and downhill where it fails; or by an implicit viscous motion. The first is the cheapest.
+    corrector : {"newton", "descent", "viscous"}
+        How stable equilibria are found where unstable ones are left (on_instability "switch"). "newton": by Newton's
+        method at shorter and shorter increments, and downhill only where it fails, which stays closest to the path.
+        "descent": downhill at once, with compression faded out of the tangent where it is indefinite; cheaper on thin
+        cut sheets (benchmarks/correctors.py), but a long increment may pass over a snap and land on another stable
+        shape: give `targets` or a short `step` where the shape matters. "viscous": the same by an implicit viscous
+        motion.
 
     Examples
     --------
@@ -104,7 +107,7 @@ class LoadControl(_RangeAnalysis):
         start: Step | Event | None = None,
         on_instability: str = "follow",
         branch: int | None = None,
-        corrector: str = "descent",
+        corrector: str = "newton",
     ) -> None:
         super().__init__(model, to, targets, step, tol, start, on_instability, branch, corrector)
 
@@ -139,10 +142,13 @@ class DisplacementControl(_RangeAnalysis):
         so "switch" goes over to the other path at bifurcations and follows limit points.
     branch : {1, -1}, optional
         With a bifurcation as `start`: leave it along its mode, or against it.
-    corrector : {"descent", "newton", "viscous"}
-        How stable equilibria are found where unstable ones are left (on_instability "switch"): downhill at once, with
-        compression faded out of the tangent where it is indefinite; by Newton's method at shorter and shorter
-        increments, and downhill where it fails; or by an implicit viscous motion. The first is the cheapest.
+    corrector : {"newton", "descent", "viscous"}
+        How stable equilibria are found where unstable ones are left (on_instability "switch"). "newton": by Newton's
+        method at shorter and shorter increments, and downhill only where it fails, which stays closest to the path.
+        "descent": downhill at once, with compression faded out of the tangent where it is indefinite; cheaper on thin
+        cut sheets (benchmarks/correctors.py), but a long increment may pass over a snap and land on another stable
+        shape: give `targets` or a short `step` where the shape matters. "viscous": the same by an implicit viscous
+        motion.
 
     Examples
     --------
@@ -167,7 +173,7 @@ class DisplacementControl(_RangeAnalysis):
         start: Step | Event | None = None,
         on_instability: str | None = None,
         branch: int | None = None,
-        corrector: str = "descent",
+        corrector: str = "newton",
     ) -> None:
         if on_instability is None:
             on_instability = "switch" if control is None else "follow"

@@ -54,7 +54,7 @@ class PathAnalysis(Analysis):
         start: Step | Event | None,
         on_instability: str,
         branch: int | None,
-        corrector: str = "descent",
+        corrector: str = "newton",
     ) -> None:
         super().__init__(model)
         owner = type(self).__name__

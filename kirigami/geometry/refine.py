@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -14,6 +15,7 @@ from kirigami.geometry.triangulate import Triangulation, carve, triangulate
 
 Integers = NDArray[np.int64]
 Floats = NDArray[np.float64]
+LocalSize = Callable[[Floats], Floats]  # wanted edge lengths (n,) at points (n, 2)
 
 GROWTH = 0.3  # increase of the edge length per distance from a cut
 LONGEST = 1.1  # no edge is longer than this times max_edge
@@ -28,25 +30,32 @@ EQUILATERAL = np.sqrt(3.0) / 4.0  # area of the triangle of side one
 REFINEMENT_ROUNDS = 30
 SMOOTHING_ROUNDS = 6
 NONE = np.empty((0, 3), np.int64)
+NO_POINTS = np.empty((0, 2))
+SAMPLES = 40_000  # places at which a local size is asked for before meshing
 
 
 @dataclass(frozen=True)
 class SizeField:
-    """Wanted edge length: ``cut_edge`` at the cuts, growing with the distance from them up to ``max_edge``."""
+    """Wanted edge length: ``cut_edge`` at the cuts, growing with the distance from them up to ``max_edge``; nowhere
+    more than `local` wants."""
 
     max_edge: float
     cut_edge: float
     cut_samples: Floats
+    local: LocalSize | None = None
 
     def __call__(self, points: Floats) -> Floats:
-        if not len(self.cut_samples):
-            return np.full(len(points), self.max_edge)
-        distance = _distances(self.cut_samples, points)
-        grown: Floats = self.cut_edge + GROWTH * np.maximum(distance - 0.5 * self.cut_edge, 0.0)
-        return np.minimum(grown, self.max_edge)
+        wanted: Floats = np.full(len(points), self.max_edge)
+        if len(self.cut_samples):
+            distance = _distances(self.cut_samples, points)
+            grown = self.cut_edge + GROWTH * np.maximum(distance - 0.5 * self.cut_edge, 0.0)
+            wanted = np.minimum(grown, wanted)
+        return wanted if self.local is None else np.minimum(wanted, self.local(points))
 
 
-def triangulate_drawing(drawing: Drawing, max_edge: float, cut_edge: float, min_angle: float) -> Triangulation:
+def triangulate_drawing(
+    drawing: Drawing, max_edge: float, cut_edge: float, min_angle: float, local: LocalSize | None = None
+) -> Triangulation:
     """Triangulate a clean drawing with graded edge lengths, all in its unit frame.
 
     Parameters
@@ -57,6 +66,8 @@ def triangulate_drawing(drawing: Drawing, max_edge: float, cut_edge: float, min_
         Edge lengths far from the cuts and along them.
     min_angle : float
         Smallest angle in degrees, kept wherever the drawing itself has no sharper one.
+    local : callable, optional
+        Wanted edge length at points of the unit frame, where it is less than what the others give.
 
     Raises
     ------
@@ -64,7 +75,10 @@ def triangulate_drawing(drawing: Drawing, max_edge: float, cut_edge: float, min_
         If the edge lengths ask for more than two million facets, or a sliver for far more than expected.
     """
     is_cut = drawing.label_is_cut[drawing.labels]
-    facets = _expected_facets(drawing, is_cut, max_edge, cut_edge)
+    smallest, facets = cut_edge, _expected_facets(drawing, is_cut, max_edge, cut_edge)
+    if local is not None:
+        smallest, more = _sampled(drawing, local, max_edge)
+        smallest, facets = min(smallest, cut_edge), facets + more
     if facets > MAX_FACETS:
         raise GeometryError(
             f"max_edge = {max_edge * drawing.frame.size:.4g} and cut_edge = {cut_edge * drawing.frame.size:.4g} ask "
@@ -91,15 +105,20 @@ def triangulate_drawing(drawing: Drawing, max_edge: float, cut_edge: float, min_
     for edge in np.flatnonzero(is_cut).tolist():
         alone = (joints[drawing.edges[edge]] == 1).all()  # one mesh edge between two tips could not open
         pieces = max(_pieces(lengths[edge] / cut_edge), 2 if alone else 1)
-        add(edge, np.arange(1, pieces) / pieces)
+        inner = np.arange(1, pieces) / pieces
+        if local is not None:
+            begin, end = drawing.points[drawing.edges[edge]]
+            uneven = _graded_fractions(begin, end, lengths[edge], SizeField(cut_edge, cut_edge, NO_POINTS, local))
+            inner = uneven if len(uneven) > len(inner) else inner
+        add(edge, inner)
     cut_points = np.concatenate([*points[1:], drawing.points[np.unique(drawing.edges[is_cut])]])
-    size = SizeField(max_edge, cut_edge, cut_points)
+    size = SizeField(max_edge, cut_edge, cut_points, local)
     for edge in np.flatnonzero(~is_cut).tolist():
         begin, end = drawing.points[drawing.edges[edge]]
         add(edge, _graded_fractions(begin, end, lengths[edge], size))
 
     drawn = Triangulation(np.concatenate(points), NONE, np.concatenate(segments), np.concatenate(labels))
-    start = _seeded(drawn, size, np.concatenate(boundary))
+    start = _seeded(drawn, size, np.concatenate(boundary), smallest)
     limit = int(4 * facets) + 20_000
     made = _refined(start, size, min_angle, limit)
     if len(made.points) - len(start.points) >= limit:
@@ -119,6 +138,18 @@ def _expected_facets(drawing: Drawing, is_cut: NDArray[np.bool_], max_edge: floa
     return float(drawing.area / (EQUILATERAL * max_edge**2) + band)
 
 
+def _sampled(drawing: Drawing, local: LocalSize, max_edge: float) -> tuple[float, float]:
+    """Smallest wanted length of a local size, and the facets it asks for."""
+    low, high = drawing.points.min(axis=0), drawing.points.max(axis=0)
+    step = float(np.sqrt(np.prod(high - low) / SAMPLES))
+    places = np.concatenate([_lattice(low, high, step), drawing.points])
+    wanted = np.asarray(local(places), dtype=float)
+    if wanted.shape != (len(places),) or not (np.isfinite(wanted) & (wanted > 0)).all():
+        raise GeometryError("size must return one positive length for each of the points (n, 2) it is given")
+    wanted = np.minimum(wanted, max_edge)
+    return float(wanted.min()), float(drawing.area / EQUILATERAL * (1 / wanted**2).mean())
+
+
 def _pieces(ratio: float) -> int:
     return max(1, int(np.ceil(ratio - 1e-6)))  # equal lengths may differ by rounding
 
@@ -133,11 +164,11 @@ def _graded_fractions(begin: Floats, end: Floats, length: float, size: SizeField
     return fractions
 
 
-def _seeded(drawn: Triangulation, size: SizeField, boundary: Integers) -> Triangulation:
+def _seeded(drawn: Triangulation, size: SizeField, boundary: Integers, smallest: float) -> Triangulation:
     """Triangulation with points of triangular lattices inside: equilateral facets wherever sizes are equal."""
-    levels = max(1, int(np.ceil(np.log(size.max_edge / size.cut_edge) / np.log(LEVEL_RATIO) - 1e-9)))
-    steps = np.append(size.cut_edge * (size.max_edge / size.cut_edge) ** (np.arange(levels) / levels), size.max_edge)
-    if not len(size.cut_samples):
+    levels = max(1, int(np.ceil(np.log(size.max_edge / smallest) / np.log(LEVEL_RATIO) - 1e-9)))
+    steps = np.append(smallest * (size.max_edge / smallest) ** (np.arange(levels) / levels), size.max_edge)
+    if not len(size.cut_samples) and size.local is None:
         steps = steps[-1:]
     points = drawn.points
     low, high = points.min(axis=0), points.max(axis=0)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import warnings
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -94,6 +94,7 @@ class Sheet(SheetFiles):
         cut_edge: float | None = None,
         min_angle: float = 28.0,
         *,
+        size: Callable[[NDArray[np.float64]], NDArray[np.float64]] | None = None,
         lines: Mapping[str, BaseGeometry] | Sequence[BaseGeometry] = (),
         snap: float | None = None,
         allow_parts: bool = False,
@@ -108,6 +109,9 @@ class Sheet(SheetFiles):
             Longest edge along the cuts, 0.4 ``max_edge`` unless given; in between the length grows gradually.
         min_angle : float
             Smallest wanted angle in degrees, at most 33; kept unless the drawing has sharper corners.
+        size : callable, optional
+            ``size(points)`` gives wanted edge lengths (n,) at points (n, 2) of the drawing; it counts where it is less
+            than what ``max_edge`` and ``cut_edge`` give. :meth:`kirigami.study.ErrorEstimate.size` makes one.
         lines : mapping of str to geometry, or sequence of geometries
             Lines that are to be mesh edges without being cut, for example the edge of a grip. The nodes on a line with
             a name become the node set of that name.
@@ -140,19 +144,28 @@ class Sheet(SheetFiles):
             raise GeometryError(f"min_angle must lie between 0 and {LARGEST_MIN_ANGLE:g} degrees, not {min_angle}")
         names, geometries = _named_lines(lines)
         xmin, ymin, xmax, ymax = self.bounds
-        size = max(xmax - xmin, ymax - ymin)
+        extent = max(xmax - xmin, ymax - ymin)
         relative = (
-            min(cut_edge / (SNAP_PER_EDGE * size), LARGEST_SNAP) if snap is None else _positive("snap", snap) / size
+            min(cut_edge / (SNAP_PER_EDGE * extent), LARGEST_SNAP) if snap is None else _positive("snap", snap) / extent
         )
         if not SMALLEST_SNAP <= relative <= 1e-2:
             raise GeometryError(
-                f"details can be snapped at {SMALLEST_SNAP * size:.3g} to {1e-2 * size:.3g} for a sheet of this size, "
-                f"not at {relative * size:.3g}" + ("; cut_edge is too short" if snap is None else "")
+                f"details can be snapped at {SMALLEST_SNAP * extent:.3g} to {1e-2 * extent:.3g} for a sheet of this "
+                f"size, not at {relative * extent:.3g}" + ("; cut_edge is too short" if snap is None else "")
             )
         # rounded so that the same drawing in another unit gives the same mesh
-        snap, longest, at_cuts = (float(f"{length:.12g}") for length in (relative, max_edge / size, cut_edge / size))
+        snap, longest, at_cuts = (
+            float(f"{length:.12g}") for length in (relative, max_edge / extent, cut_edge / extent)
+        )
         drawing = clean(self.outline, self.cuts, geometries, snap, at_cuts / DENSE, allow_parts)
-        made = triangulate_drawing(drawing, longest, at_cuts, min_angle)
+        local = None
+        if size is not None:
+            wanted, frame = size, drawing.frame
+
+            def local(points: NDArray[np.float64]) -> NDArray[np.float64]:
+                return np.asarray(wanted(frame.from_unit(points)), dtype=float) / frame.size
+
+        made = triangulate_drawing(drawing, longest, at_cuts, min_angle, local)
         mesh = self._opened(drawing, made, names)
         _verify(mesh, drawing, made, max_edge, allow_parts)
         return mesh

@@ -38,6 +38,7 @@ def plot_results(
     magnify: float = 1.0,
     colorbar: bool = True,
     cmap: Any = None,
+    label: str | None = None,
 ) -> Any:
     """Draw the deformed structure at one step.
 
@@ -64,6 +65,8 @@ def plot_results(
         Whether to add a colour bar.
     cmap : matplotlib colour map, optional
         Colour map, or its name.
+    label : str, optional
+        What the colours stand for, at the colour bar.
 
     Returns
     -------
@@ -100,7 +103,7 @@ def plot_results(
     picture.update(points, values)
     frame(ax, held, looking)
     if bar:
-        style.color_bar(ax, picture.mappable, field.label, place)
+        style.color_bar(ax, picture.mappable, field.label if label is None else label, place)
     return ax
 
 

@@ -34,7 +34,8 @@ def draw_study(study: ImperfectionStudy) -> Figure:
         raise ModelError("no run of the study reached its end, so there is no final shape to draw")
     drawn = numbers[:MOST]
     figure = pyplot.figure(figsize=(max(2.0 * len(drawn), 5.2), 4.6), layout="constrained")
-    above, below = np.ravel(figure.subfigures(2, 1, height_ratios=(1.1, 1.0)))
+    parts: Any = figure.subfigures(2, 1, height_ratios=(1.1, 1.0))
+    above, below = parts
     solid = study.model.dim == 3
     largest = max(float(np.abs(study.final(number).position()[-1][:, 2]).max()) for number in drawn)
     for place, number in enumerate(drawn):
