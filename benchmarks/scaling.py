@@ -137,10 +137,13 @@ def draw(rows: list[dict[str, Any]], path: str) -> None:
         *left.get_legend_handles_labels(), fontsize=8, frameon=False, loc="outside lower center", ncols=4,
         title="in brackets: exponent of growth above 4,000 nodes", title_fontsize=8,
     )  # fmt: skip
-    right.loglog(nodes, [float(row["peak MiB"]) / 1024 for row in rows], "o-", ms=4, color="#333333")
+    right.semilogx(nodes, [float(row["peak MiB"]) / 1024 for row in rows], "o-", ms=4, color="#333333")
+    right.set_ylim(bottom=0)
     right.set_xlabel("nodes")
     right.set_ylabel("peak memory of the process [GiB]")
     for ax in (left, right):
+        ax.set_xticks(nodes, [f"{count / 1000:.0f}k" for count in nodes])
+        ax.set_xticks([], minor=True)
         ax.grid(alpha=0.3)
         ax.spines[["top", "right"]].set_visible(False)
     figure.savefig(path, dpi=130)

@@ -5,7 +5,7 @@ They are a base class for the same reason as those that write files: what result
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, cast
+from typing import TYPE_CHECKING, Any, cast
 
 from numpy.typing import ArrayLike
 
@@ -131,6 +131,36 @@ class ResultsShape:
         from kirigami.post.stress import sheet_stress
 
         return sheet_stress(cast("Results", self), step, thickness, material)
+
+    def plot_stress(self, step: int = -1, kind: str = "largest", fibre: str = "top", **options: Any) -> Any:
+        """Draw the deformed sheet, coloured by stress.
+
+        Parameters
+        ----------
+        step : int
+            Number of the stored step; -1 is the last.
+        kind : {"largest", "smallest", "von Mises"}
+            Which: one of the principal stresses, or von Mises' [force / length^2].
+        fibre : {"top", "middle", "bottom"}
+            Where in the thickness.
+        options
+            As for :func:`kirigami.plot.plot_results`.
+
+        Returns
+        -------
+        matplotlib axes
+
+        Raises
+        ------
+        AnalysisError
+            The model was not made from a mesh.
+        ModelError
+            No such step, kind or fibre, no thickness or material, or a mesh that is not flat.
+        """
+        from kirigami.post.stress import checked_values
+
+        values, label = checked_values(self.stress(step), kind, fibre)
+        return cast("Results", self).plot(step, color=values, **{"label": label, **options})
 
     def energy_shares(self) -> dict[str, Array]:
         """Energy by kind over the whole, each (s,); 0 where nothing is stored.

@@ -19,7 +19,7 @@ HELD = [
     # Closed form of rigid squares; the bars strain by about 1e-5, which costs 2e-4 in force.
     ("square_mechanism", {}, 1.0, 1e-3),
     # Corotational thin-shell triangles, 5,524 nodes, force at strain 0.0133; itself 2 to 3 % too stiff there. Bars and
-    # hinges come down on it: 0.1227, 0.1139, 0.1128 for edges of 0.5, 0.35, 0.3.
+    # hinges give 0.1124 with edges of 0.3.
     ("single_cut_disc", {"max_edge": 0.3}, 0.1097, 0.06),
     # Corotational thin-shell triangles, 9,016 nodes, good to 0.2 % in open area. Bars and hinges: 0.996, 1.018 for
     # edges of 0.2, 0.15.

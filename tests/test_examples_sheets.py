@@ -121,7 +121,7 @@ def test_slit_ribbon_stiffness_and_transition_scale_with_thickness() -> None:
 
 
 def test_slit_ribbon_first_stiffness_scales_with_rows_and_slit_length() -> None:
-    """As 1 / (rows length^3): 1.09 and 2.78 at a length of 30 rows; the strips end in compliant joints, not in walls."""
+    """As 1 / (rows length^3): 1.09 and 2.78 at a length of 30 rows; the strips end in joints, not in walls."""
 
     def stiffness(rows: int, slit: float) -> float:
         pattern = slits.rainbow(columns=1, rows=rows, pitch=slit + 4, slit=slit)

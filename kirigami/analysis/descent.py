@@ -54,8 +54,6 @@ class Strategy:
     cuts : int
         Shorter increments tried before the hard way: a descent after Newton's method, or one that moves only what is
         driven where the prediction turns members too far.
-    wary : bool
-        Cut also where the tangent is indefinite at the prediction, so that a descent starts closer to the instability.
     least_growth, growth_after_snap : float
         Least factor from an increment to the next, and the factor where the descent led far off.
     """
@@ -70,7 +68,6 @@ class Strategy:
     chords: int = 2
     turn: float = 1.0
     cuts: int = 1
-    wary: bool = False
     least_growth: float = 0.9
     growth_after_snap: float = 1.5
 
@@ -101,19 +98,13 @@ def descend(
     max_iterations: int,
     strategy: Strategy,
     on_iteration: Callable[[], None] = lambda: None,
-    wary: bool = False,
 ) -> Attempt:
-    """Iterate downhill from `start`, at its load factor, to a stable equilibrium; if `wary`, only from where the
-    tangent has no negative pivot."""
+    """Iterate downhill from `start`, at its load factor, to a stable equilibrium."""
     try:
-        return _Descent(system, factorize, start, tol, strategy, wary).run(max_iterations, on_iteration)
+        return _Descent(system, factorize, start, tol, strategy).run(max_iterations, on_iteration)
     finally:
         system.linearize(None)
         system.convexity = 0.0
-
-
-class UnstableStartError(Exception):
-    """The tangent is indefinite where a wary descent starts."""
 
 
 class _Descent:
@@ -126,9 +117,8 @@ class _Descent:
         start: State,
         tol: float,
         strategy: Strategy,
-        wary: bool,
     ) -> None:
-        self.system, self.factorize, self.tol, self.strategy, self.wary = system, factorize, tol, strategy, wary
+        self.system, self.factorize, self.tol, self.strategy = system, factorize, tol, strategy
         self.q, self.lam, self.u = start.q.copy(), start.lam, start.u
         self.amount = 0.0
         self.residual, self.relative = np.zeros(0), 0.0
@@ -155,8 +145,6 @@ class _Descent:
                     self._balance()
                 elif iteration < max_iterations:
                     self._iterate()
-            except UnstableStartError:
-                return self._attempt(iteration, "the prediction is unstable")
             except SingularMatrixError as error:
                 return self._attempt(iteration, str(error))
             on_iteration()
@@ -185,9 +173,6 @@ class _Descent:
         """Factor of the tangent with just enough done to it for no pivot to be negative."""
         strategy = self.strategy
         factor = self.factorize(self._blocks())
-        if self.wary and factor.negative:
-            raise UnstableStartError
-        self.wary = False
         while factor.negative and self.amount < strategy.most:
             grown = max(self.amount * strategy.growth, strategy.least)
             self.amount = strategy.most if factor.negative > strategy.many else min(grown, strategy.most)

@@ -360,8 +360,7 @@ class PathAnalysis(Analysis):
             state = State(q, state.lam, system.displacement(q, state.lam))
             change = state.u - before.state.u
         system.linearize(before.state.u, change)
-        wary = strategy.wary and not hold
-        attempt = descend(system, self._new_factor, state, self.tol, MAX_RELAXATION, strategy, self._count, wary)
+        attempt = descend(system, self._new_factor, state, self.tol, MAX_RELAXATION, strategy, self._count)
         attempt.iterations += 1
         attempt.drift = system.largest_rotation(attempt.state.u - state.u)
         attempt.relaxed = attempt.drift > DRIFT_LARGEST

@@ -33,8 +33,8 @@ def draw_study(study: ImperfectionStudy) -> Figure:
     if not numbers:
         raise ModelError("no run of the study reached its end, so there is no final shape to draw")
     drawn = numbers[:MOST]
-    figure = pyplot.figure(figsize=(max(2.0 * len(drawn), 5.2), 4.6), layout="constrained")
-    parts: Any = figure.subfigures(2, 1, height_ratios=(1.1, 1.0))
+    figure = pyplot.figure(figsize=(max(2.0 * len(drawn), 5.2), 5.2), layout="constrained")
+    parts: Any = figure.subfigures(2, 1, height_ratios=(1.0, 1.15))
     above, below = parts
     solid = study.model.dim == 3
     largest = max(float(np.abs(study.final(number).position()[-1][:, 2]).max()) for number in drawn)
@@ -77,8 +77,15 @@ def _draw_table(study: ImperfectionStudy, ax: Any) -> None:
         ax.add_patch(square)
         text = f"{case.branch}" if case.branch else "failed"
         ax.text(case.mode, row, text, ha="center", va="center", color="white" if case.branch else style.INK, fontsize=8)
+    top = -0.6
+    if solid_sheet := study.model.dim == 3 and study.model.mesh is not None:
+        top -= 0.32 * len(lines) + 0.5
     ax.set_xlim(0.4, len(study.seeds) + 0.6)
-    ax.set_ylim(len(lines) - 0.4, -0.6)
+    ax.set_ylim(len(lines) - 0.4, top)
+    if solid_sheet:
+        for number, seed in enumerate(study.seeds, start=1):
+            place = (number - 0.44, top, 0.88, -0.6 - top)
+            _draw_seed(study, ax.inset_axes(place, transform=ax.transData), seed)
     ax.set_xticks(range(1, len(study.seeds) + 1))
     ax.set_yticks(range(len(lines)), [f"{'+' if sign > 0 else '-'} {amplitude:.3g}" for amplitude, sign in lines])
     ax.set_xlabel("mode that is seeded")
@@ -86,3 +93,15 @@ def _draw_table(study: ImperfectionStudy, ax: Any) -> None:
     ax.tick_params(length=0)
     for side in ("left", "bottom"):
         ax.spines[side].set_visible(False)
+
+
+def _draw_seed(study: ImperfectionStudy, ax: Any, seed: Any) -> None:
+    """Heights of a seed from above."""
+    mesh = study.model.mesh
+    assert mesh is not None
+    x, y, _ = study.model.positions()[: len(mesh.nodes)].T
+    height = seed[: len(mesh.nodes), 2]
+    limits = {"vmin": -1, "vmax": 1, "cmap": style.diverging_map()}
+    ax.tripcolor(x, y, mesh.triangles, height, shading="gouraud", rasterized=True, **limits)
+    ax.set_aspect("equal")
+    ax.set_axis_off()

@@ -1,0 +1,199 @@
+"""Stress of sheets against closed forms, on every rung of accuracy."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+import shapely
+from matplotlib import pyplot
+from numpy.typing import NDArray
+
+import kirigami as kg
+from kirigami.stiffness import RUNGS
+from kirigami.system import System
+
+E, NU, T = 2e9, 0.34, 1e-3
+MATERIAL = kg.Material(E=E, nu=NU)
+MESH = kg.Sheet(shapely.box(0, 0, 0.2, 0.1), thickness=T, material=MATERIAL).mesh(0.02)
+FACTOR = E / (1 - NU**2)
+
+
+def at(rung: str, surface: NDArray[np.float64], normal: NDArray[np.float64] | None = None, dim: int = 3) -> kg.Results:
+    """Results with one step in which the nodes of MESH lie on a surface, with its normals where the rung has some."""
+    model = kg.Model.from_mesh(MESH, stiffness=rung, dim=dim)
+    if rung == "split":
+        normal = np.tile((0.0, 0.0, 1.0), (len(surface), 1)) if normal is None else normal
+        surface = np.concatenate([surface, surface + 0.5 * T * normal])
+    results = kg.Results(System(model))
+    results.append(kg.Step.at(model, 1.0, surface - model.positions()))
+    return results
+
+
+def stretched(gradient: list[list[float]]) -> NDArray[np.float64]:
+    moved = MESH.nodes.copy()
+    moved[:, :2] = MESH.nodes[:, :2] @ np.array(gradient).T
+    return moved
+
+
+def cylinder(radius: float) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Bent upwards round an axis along y, and its normals."""
+    x, y, _ = MESH.nodes.T
+    angle = x / radius
+    surface = np.column_stack([radius * np.sin(angle), y, radius * (1 - np.cos(angle))])
+    return surface, np.column_stack([-np.sin(angle), np.zeros_like(x), np.cos(angle)])
+
+
+@pytest.mark.parametrize("rung", RUNGS)
+def test_uniform_strain_is_exact(rung: str) -> None:
+    """Green strain (F'F - I) / 2 and plane stress, whatever the mesh; here also with a large rotation."""
+    gradient = np.array([[1.02, 0.004], [0.001, 0.99]])
+    turn = np.array([[np.cos(0.7), -np.sin(0.7)], [np.sin(0.7), np.cos(0.7)]])
+    green = 0.5 * (gradient.T @ gradient - np.eye(2))
+    expected = FACTOR * ((1 - NU) * green + NU * np.trace(green) * np.eye(2))
+    stress = at(rung, stretched((turn @ gradient).tolist())).stress()
+    assert stress.strain.shape == (1, len(MESH.triangles), 2, 2)
+    np.testing.assert_allclose(stress.strain[0], np.tile(green, (len(MESH.triangles), 1, 1)), atol=1e-12)
+    for fibre in ("bottom", "middle", "top"):
+        np.testing.assert_allclose(stress.tensor(fibre)[0], np.tile(expected, (len(MESH.triangles), 1, 1)), rtol=1e-6)
+    np.testing.assert_allclose(stress.force, T * stress.tensor(), rtol=1e-14)
+    assert stress.membrane_share == pytest.approx(1.0, abs=1e-9)
+    energy = 0.5 * T * np.sum(expected * green) * 0.02
+    assert stress.membrane_energy.sum() == pytest.approx(energy, rel=1e-10)
+
+
+@pytest.mark.parametrize("rung", RUNGS)
+def test_uniaxial_tension(rung: str) -> None:
+    """A strip pulled between smooth grips: sigma = E strain along, nothing across, to first order."""
+    model = kg.Model.from_mesh(MESH, stiffness=rung, dim=3)
+    left, right = model.select(boundary="left"), model.select(boundary="right")
+    strain = 1e-5
+    x, y, _ = MESH.nodes.T
+    moved = np.column_stack([x * (1 + strain), y * (1 - NU * strain), 0 * x])
+    model.add(kg.Fix(left, "xz"), kg.Fix(left[0], "y"), kg.Fix(right, "z"), kg.Prescribe(right, x=0.2 * strain))
+    stress = kg.LinearStatic(model).run().stress(-1) if rung in ("facet", "split") else at(rung, moved).stress(0)
+    np.testing.assert_allclose(stress.principal()[:, 0], E * strain, rtol=2e-5)
+    np.testing.assert_allclose(stress.principal()[:, 1], 0.0, atol=2e-5 * E * strain)
+    np.testing.assert_allclose(stress.von_mises(), E * strain, rtol=2e-5)
+    np.testing.assert_allclose(np.abs(stress.directions()[:, 0] @ (1.0, 0.0)), 1.0, rtol=1e-8)
+
+
+@pytest.mark.parametrize("rung", RUNGS)
+def test_pure_shear(rung: str) -> None:
+    """gamma: principal stresses +- G gamma under 45 degrees, von Mises' sqrt(3) G gamma."""
+    gamma, G = 1e-6, E / (2 * (1 + NU))
+    stress = at(rung, stretched([[1, gamma / 2], [gamma / 2, 1]])).stress(0)
+    np.testing.assert_allclose(stress.principal(), np.tile((G * gamma, -G * gamma), (len(MESH.triangles), 1)), rtol=1e-5)
+    np.testing.assert_allclose(stress.von_mises(), np.sqrt(3) * G * gamma, rtol=1e-5)
+    np.testing.assert_allclose(np.abs(stress.directions()[:, 0] @ (1, 1)), np.sqrt(2), rtol=1e-5)
+    np.testing.assert_allclose((stress.directions()[:, 0] * stress.directions()[:, 1]).sum(axis=1), 0, atol=1e-14)
+
+
+def test_cylinder_on_curved_facets() -> None:
+    """E t / (2 R (1 - nu^2)) round the cylinder and nu times that along it, to the 1 - L^2 / (8 R^2) of chords."""
+    radius = 0.1
+    stress = at("split", *cylinder(radius)).stress(0)
+    bending = FACTOR * T / (2 * radius)
+    for fibre, sign in (("top", -1), ("bottom", 1)):
+        np.testing.assert_allclose(stress.tensor(fibre)[:, 0, 0], sign * bending, rtol=6e-3)
+        np.testing.assert_allclose(stress.tensor(fibre)[:, 1, 1], sign * NU * bending, rtol=6e-3)
+        np.testing.assert_allclose(stress.tensor(fibre)[:, 0, 1], 0, atol=2e-3 * bending)
+    np.testing.assert_allclose(stress.tensor(), 0, atol=3e-3 * bending)
+    rigidity = E * T**3 / (12 * (1 - NU**2))
+    np.testing.assert_allclose(stress.moment[:, 0, 0], rigidity / radius, rtol=6e-3)
+    np.testing.assert_allclose(stress.moment[:, 1, 1], NU * rigidity / radius, rtol=6e-3)
+    assert stress.membrane_share < 1e-5
+
+
+@pytest.mark.parametrize("rung", RUNGS)
+def test_gentle_cylinder_on_every_rung(rung: str) -> None:
+    """So gently that the chords of flat facets hide no length: bending stress is all there is, in the mean exactly."""
+    radius = 100.0
+    stress = at(rung, *cylinder(radius)).stress(0)
+    bending = FACTOR * T / (2 * radius)
+    difference = 0.5 * (stress.tensor("bottom") - stress.tensor("top"))
+    np.testing.assert_allclose(difference[:, 0, 0], bending, rtol=1e-5)
+    np.testing.assert_allclose(difference[:, 1, 1], NU * bending, rtol=1e-5)
+    np.testing.assert_allclose(stress.curvature[:, 0, 0], 1 / radius, rtol=1e-5)
+
+
+def test_an_imperfection_is_free_of_stress() -> None:
+    for rung in RUNGS:
+        model = kg.Model.from_mesh(MESH, stiffness=rung)
+        x, y, _ = MESH.nodes.T
+        model.perturb(np.sin(np.pi * x / 0.2) * np.sin(np.pi * y / 0.1), amplitude=T)
+        results = kg.Results(System(model))
+        results.append(kg.Step(0.0, np.zeros_like(model.positions())))
+        stress = results.stress()
+        np.testing.assert_allclose(stress.tensor("top"), 0, atol=1e-14 * E)
+
+
+def test_a_linear_analysis_has_stress_to_first_order() -> None:
+    """Deflections of many thicknesses do not stretch the sheet there; twice the load is twice the stress."""
+    for rung in ("plate", "split"):
+        found = []
+        for pull in (1e-3, 2e-3):
+            model = kg.Model.from_mesh(MESH, stiffness=rung)
+            right = model.select(boundary="right")
+            model.add(kg.Fix(model.select(boundary="left"), clamp=True), kg.Prescribe(right, z=20 * pull))
+            stress = kg.LinearStatic(model).run().stress(-1)
+            assert np.abs(stress.tensor()).max() < 1e-6 * np.abs(stress.tensor("top")).max()
+            found.append(stress.tensor("top"))
+        np.testing.assert_allclose(found[1], 2 * found[0], atol=1e-6 * np.abs(found[0]).max())
+
+
+def test_energy_is_that_of_the_elements() -> None:
+    """On curved facets in a nonlinear run: recovered stretching and bending add up to the stored energy."""
+    model = kg.Model.from_mesh(MESH, stiffness="split")
+    x, y, _ = MESH.nodes.T
+    model.perturb(np.sin(np.pi * x / 0.2), amplitude=T)
+    left, right = model.select(boundary="left"), model.select(boundary="right")
+    model.add(kg.Fix(left), kg.Fix(right, "yz"), kg.Prescribe(right, x=-2e-3))
+    results = kg.DisplacementControl(model).run()
+    stress = results.stress(-1)
+    total = stress.membrane_energy.sum() + stress.bending_energy.sum()
+    assert total == pytest.approx(results.energy["facets"][-1], rel=1e-2)  # curvature is not quite uniform in a facet
+    assert stress.membrane_share < 0.1  # an elastica
+
+
+def test_in_a_plane_nothing_bends() -> None:
+    stress = at("facet", stretched([[1.01, 0], [0, 1]]), dim=2).stress(0)
+    assert not stress.curvature.any()
+    np.testing.assert_allclose(stress.tensor("top"), stress.tensor("bottom"))
+
+
+def test_shape_measures_take_nodes_of_the_mesh_only() -> None:
+    results = at("split", *cylinder(1.0))
+    np.testing.assert_allclose(results.curvature("mean"), 0.5, rtol=0.05)
+    assert results.width("x")[0] == pytest.approx(0.1)
+
+
+def test_picture() -> None:
+    results = at("split", *cylinder(0.1))
+    ax = results.plot_stress(fibre="bottom")
+    bar = ax.figure.axes[-1]
+    assert "largest principal stress, bottom" in bar.get_ylabel() + bar.get_xlabel()
+    with pytest.raises(kg.ModelError, match="kind"):
+        results.plot_stress(kind="hoop")
+    pyplot.close("all")
+
+
+def test_what_cannot_be_told() -> None:
+    results = at("plate", MESH.nodes.copy())
+    with pytest.raises(kg.ModelError, match="step 3 is not stored"):
+        results.stress(3)
+    with pytest.raises(kg.ModelError, match="fibre"):
+        results.stress(0).tensor("upper")
+    truss = kg.Model(dim=2)
+    a, b = truss.add(kg.Node(0, 0), kg.Node(1, 0))
+    truss.add(kg.Bar(a, b, EA=1.0), kg.Fix(a), kg.Fix(b, "y"), kg.NodalLoad(b, (1, 0)))
+    with pytest.raises(kg.AnalysisError, match="from_mesh"):
+        kg.LinearStatic(truss).run().stress()
+    bare = kg.TriMesh(MESH.nodes, MESH.triangles)
+    model = kg.Model.from_mesh(bare, thickness=T, material=MATERIAL)
+    held = kg.Results(System(model))
+    held.append(kg.Step(0.0, np.zeros_like(model.positions())))
+    assert held.stress().thickness == T
+    held.model = None
+    with pytest.raises(kg.ModelError, match="thickness is unknown"):
+        held.stress()
+    assert held.stress(0, thickness=2 * T, material=MATERIAL).thickness == 2 * T
