@@ -289,7 +289,9 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--rates", action="store_true", help="rates of convergence on random meshes")
     options = parser.parse_args()
-    meshes = [(across, True) for across in (4, 8, 16)] if options.rates else [(4, False), (8, False), (4, True), (8, True)]
+    meshes = [(4, False), (8, False), (4, True), (8, True)]
+    if options.rates:
+        meshes = [(across, True) for across in (4, 8, 16)]
     heads = [f"{'random' if random else 'regular'} {across}" for across, random in meshes]
     print(f"{'error in percent':24s}" + "".join(f"{head:>14s}" for head in heads) + ("  rate" if options.rates else ""))
     for name, case in CASES.items():

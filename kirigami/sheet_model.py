@@ -108,5 +108,6 @@ def _add_facets(model: Model, mesh: TriMesh, thickness: float, material: Materia
             other = facets[edge][1] if facets[edge][0] == position else facets[edge][0]
             wing = wings[edge][1] if facets[edge][0] == position else wings[edge][0]
             across.append(nodes[wing] if other >= 0 else None)
-        made.append(Facet(*(nodes[k] for k in triangle), thickness, material, tuple(across)))
+        i, j, k = (nodes[corner] for corner in triangle)
+        made.append(Facet(i, j, k, thickness, material, (across[0], across[1], across[2])))
     model.add(*made)

@@ -82,7 +82,7 @@ def test_pure_shear(rung: str) -> None:
     """gamma: principal stresses +- G gamma under 45 degrees, von Mises' sqrt(3) G gamma."""
     gamma, G = 1e-6, E / (2 * (1 + NU))
     stress = at(rung, stretched([[1, gamma / 2], [gamma / 2, 1]])).stress(0)
-    np.testing.assert_allclose(stress.principal(), np.tile((G * gamma, -G * gamma), (len(MESH.triangles), 1)), rtol=1e-5)
+    np.testing.assert_allclose(stress.principal() / (G * gamma), np.tile((1, -1), (len(MESH.triangles), 1)), rtol=1e-5)
     np.testing.assert_allclose(stress.von_mises(), np.sqrt(3) * G * gamma, rtol=1e-5)
     np.testing.assert_allclose(np.abs(stress.directions()[:, 0] @ (1, 1)), np.sqrt(2), rtol=1e-5)
     np.testing.assert_allclose((stress.directions()[:, 0] * stress.directions()[:, 1]).sum(axis=1), 0, atol=1e-14)
@@ -95,12 +95,12 @@ def test_cylinder_on_curved_facets() -> None:
     bending = FACTOR * T / (2 * radius)
     for fibre, sign in (("top", -1), ("bottom", 1)):
         np.testing.assert_allclose(stress.tensor(fibre)[:, 0, 0], sign * bending, rtol=6e-3)
-        np.testing.assert_allclose(stress.tensor(fibre)[:, 1, 1], sign * NU * bending, rtol=6e-3)
-        np.testing.assert_allclose(stress.tensor(fibre)[:, 0, 1], 0, atol=2e-3 * bending)
+        np.testing.assert_allclose(stress.tensor(fibre)[:, 1, 1], sign * NU * bending, rtol=1.5e-2)
+        np.testing.assert_allclose(stress.tensor(fibre)[:, 0, 1], 0, atol=5e-3 * bending)
     np.testing.assert_allclose(stress.tensor(), 0, atol=3e-3 * bending)
     rigidity = E * T**3 / (12 * (1 - NU**2))
     np.testing.assert_allclose(stress.moment[:, 0, 0], rigidity / radius, rtol=6e-3)
-    np.testing.assert_allclose(stress.moment[:, 1, 1], NU * rigidity / radius, rtol=6e-3)
+    np.testing.assert_allclose(stress.moment[:, 1, 1], NU * rigidity / radius, rtol=1.5e-2)
     assert stress.membrane_share < 1e-5
 
 

@@ -35,7 +35,7 @@ def add(commands: Any) -> None:
     parser.add_argument("drawing", type=Path, nargs="?", metavar="DRAWING", help="the file")
     parser.add_argument("--thickness", type=length, default=1e-4, metavar="LENGTH", help="default: 0.1 mm")
     parser.add_argument("--E", type=quantity("stress"), default=3.5e9, metavar="STRESS", help="default: 3.5 GPa")
-    parser.add_argument("--nu", type=float, default=0.34, metavar="RATIO", help="Poisson's ratio (default: %(default)s)")
+    parser.add_argument("--nu", type=float, default=0.34, metavar="RATIO", help="default: %(default)s")
     parser.add_argument(
         "--strain", type=quantity("ratio"), default=0.01, metavar="RATIO", help="strain to reach (default: 1%%)"
     )

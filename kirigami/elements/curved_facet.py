@@ -229,7 +229,7 @@ class CurvedFacetKernel(Kernel):
         chain = np.zeros((n, 9, 6, 3))
         for c, (a, b) in enumerate(zip(STARTS, ENDS)):
             chain[:, c, b], chain[:, c, a] = edges[:, c], -edges[:, c]
-        for s, (corner, c) in enumerate(zip(CORNER_OF_SLOPE, EDGE_OF_SLOPE)):
+        for s, (corner, c) in enumerate(zip(CORNER_OF_SLOPE.tolist(), EDGE_OF_SLOPE.tolist())):
             row = chain[:, 3 + s]
             row[:, ENDS[c]] += normals[:, corner]
             row[:, STARTS[c]] -= normals[:, corner]
@@ -343,7 +343,8 @@ class CurvedFacetKernel(Kernel):
             _add(hessian, tip, tip, curl)
             _add(hessian, corner, corner, curl)
             _add(hessian, corner, tip, -curl)
-        return hessian
+        summed: Array = hessian
+        return summed
 
 
 def _add(hessian: Array, a: int, b: int, block: Array) -> None:

@@ -184,7 +184,8 @@ class FacetKernel(Kernel):
             share = np.where(full[:, None], row / np.where(full, pivot, 1.0)[:, None], 0.0)
             matrix[free] -= share[:, :, None] * row[:, None]
             matrix[free, c], matrix[free, :, c] = 0.0, 0.0
-        return matrix
+        condensed: Array = matrix
+        return condensed
 
     def arrays(self) -> dict[str, Any]:
         names = ("bends", "thickness", "E", "nu", "members")
@@ -248,8 +249,8 @@ class FacetKernel(Kernel):
         if self._hinges is not None:
             vectors = self._hinges.vectors(x)
             wings, turn = self._hinges.first_derivatives(*vectors)
-            f, c = self.hinge_facet, self.hinge_edge
-            chain[f[:, None], 3 + c[:, None], self._places] = turn.transpose(2, 1, 0)
+            f, line = self.hinge_facet, self.hinge_edge
+            chain[f[:, None], 3 + line[:, None], self._places] = turn.transpose(2, 1, 0)
         pull = force / self._square
         generalized = np.concatenate([pull, moment], axis=1)[:, : chain.shape[1]]
         gradient = np.einsum("nz,nzka->nka", generalized, chain)
@@ -274,11 +275,11 @@ class FacetKernel(Kernel):
                 hessian[:, p, q] += sign * block
         if self._hinges is not None:
             curved = np.zeros((3, 3, len(self._hinges.pairs), f.size))
-            self._hinges.add_second_derivatives(curved, (1 - self.convexity) * moment[f, c], vectors[0], wings)
+            self._hinges.add_second_derivatives(curved, (1 - self.convexity) * moment[f, line], vectors[0], wings)
             for slot, (p, q) in enumerate(self._hinges.pairs):
                 block = curved[:, :, slot].transpose(2, 0, 1)
                 for edge in range(3):  # a facet has one hinge on an edge, so no entry is hit twice
-                    on = c == edge
+                    on = line == edge
                     first, second = self._places[on, p], self._places[on, q]
                     hessian[f[on], first, second] += block[on]
                     if p != q:

@@ -106,9 +106,9 @@ class FrontPlan:
     def _transfer(self, child: int) -> Transfer:
         """How the left-over of a front adds to the blocks of its parent, stretch by stretch."""
         fronts, parent = self.fronts, int(self.fronts.parent[child])
-        if parent < 0:
-            return []
         border = fronts.borders[child]
+        if parent < 0 or not len(border):
+            return []
         start, end = fronts.starts[parent], fronts.starts[parent + 1]
         inner = int(np.searchsorted(border, end))
         place = np.concatenate([border[:inner] - start, np.searchsorted(fronts.borders[parent], border[inner:])])

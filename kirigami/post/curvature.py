@@ -82,7 +82,7 @@ def curvature(positions: ArrayLike, mesh: TriMesh, kind: str = "mean", per: str 
     if per == "node":
         components = _nodal(components, mesh)
     kxx, kyy, kxy = np.moveaxis(components, -1, 0)
-    mean = 0.5 * (kxx + kyy)
+    mean: Floats = 0.5 * (kxx + kyy)
     if kind == "mean":
         return mean
     if kind == "gaussian":

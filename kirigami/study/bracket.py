@@ -56,7 +56,8 @@ class Bracket:
             f"{100 * run.membrane_share:.0f} % of the energy in stretching, {run.seconds:.1f} s"
             for run in self.runs
         ]
-        lines.append(f"{name} {self.value:.4g}, band {self.low:.4g} to {self.high:.4g} (+- {100 * self.half_width:.2g} %)")
+        width = f"+- {100 * self.half_width:.2g} %"
+        lines.append(f"{name} {self.value:.4g}, band {self.low:.4g} to {self.high:.4g} ({width})")
         first, second = self.runs[1].stiffness, self.runs[3].stiffness
         if not self.same_shape:
             lines.append("this is no bracket: the two rungs end in different shapes, so they are on different branches")

@@ -83,7 +83,8 @@ class ErrorEstimate:
         """Share of each facet (m,) in the squared error per share in the area; 1 everywhere is an ideal mesh's."""
         area = self._mesh.facet_areas
         total = float(self.facets.sum())
-        return np.asarray(self.facets / area * (area.sum() / total)) if total > 0 else np.zeros(len(area))
+        density: Floats = self.facets / area * (area.sum() / total if total > 0 else 0.0)
+        return density
 
     def worst(self, count: int = 5) -> Floats:
         """Places (count, 2) in the drawing of the facets with the largest errors, the largest first [length]."""
@@ -216,7 +217,7 @@ def estimate_error(results: Results, step: int = -1) -> ErrorEstimate:
 
 
 def _jumps(stress: SheetStress, mesh: TriMesh) -> tuple[Floats, Floats]:
-    """Energies (m,) of the differences between facets and smoothed strain, and between facets and smoothed curvature."""
+    """Energies (m,) of what lies between facets and smoothed strain, and between facets and smoothed curvature."""
     E, nu, t = stress.material.E, stress.material.nu, stress.thickness
     stretching, bending = E * t / (1 - nu**2), E * t**3 / (12 * (1 - nu**2))
     found = []

@@ -10,7 +10,6 @@ from __future__ import annotations
 import time
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import Any
 
 import numpy as np
 
@@ -25,7 +24,7 @@ from kirigami.study.accuracy import QUANTITIES, Case, quantities
 RATIO = 1.5  # of the edge lengths of the first two runs
 CLOSER = 1.25  # least refinement of the third run
 LARGEST_STEP = 4.0  # largest refinement of the third run: beyond, two coarse runs say too little
-SAFETY = 0.8  # of the wanted error is aimed at
+SAFETY = 0.6  # of the wanted error is aimed at
 ALIKE = 0.35  # relative distance of two shapes beyond which they are taken for different branches
 FLAT = 1e-3  # height over size of the sheet below which shapes are not compared
 ORDERS = (0.3, 4.0)  # observed orders that make sense
@@ -77,11 +76,11 @@ class MeshChoice:
     limit : float
         The value towards which the runs go.
     order : float
-        Order of convergence observed in the three runs; nan where they do not converge evenly.
+        Order of convergence observed in the last three runs; nan where they do not converge evenly.
     errors : ndarray, shape (k,)
         Estimated relative error of each run.
     expected : float
-        Error that the first two runs let expect of the last.
+        Error that the runs before let expect of the last.
 
     Examples
     --------
@@ -125,15 +124,17 @@ class MeshChoice:
         ]
         if np.isnan(self.order):
             lines.append(
-                "the three runs do not converge evenly: their errors are bounds from the spread of the values, with "
-                "order 1; a finer start or a smaller imperfection may help"
+                "the last three runs do not converge evenly: their errors are rough, from the changes between runs as if "
+                "of order 1; a finer start may help"
             )
         else:
             lines.append(f"observed order {self.order:.2g}; {name} tends to {self.limit:.5g}")
         lines.append(f"at max_edge {last.max_edge:.4g}: expected {100 * self.expected:.2g} %, got "
                      f"{100 * self.errors[-1]:.2g} %")  # fmt: skip
         if self.reached:
-            lines.append(f"{100 * self.error:g} % in {name}: take max_edge {self.max_edge:.4g} ({self.run.nodes} nodes)")
+            chosen = self.run
+            size = f"max_edge {chosen.max_edge:.4g} ({chosen.nodes} nodes)"
+            lines.append(f"{100 * self.error:g} % in {name}: take {size}")
         else:
             lines.append(
                 f"{100 * self.error:g} % in {name}: not reached; start again from max_edge {last.max_edge:.4g}"
@@ -149,9 +150,10 @@ def choose_mesh(
     quantity: str = "force",
     stiffness: str = "split",
     at: float = 1.0,
-    order: float = 2.0,
+    order: float | None = None,
+    most: int = 4,
 ) -> MeshChoice:
-    """Choose the mesh size for a wanted error from two coarse runs, and test the choice by a third.
+    """Choose the mesh size for a wanted error from two coarse runs, and test the choice by another.
 
     Parameters
     ----------
@@ -168,8 +170,11 @@ def choose_mesh(
         Rung of accuracy; only "split" converges to the sheet, the others to a limit of their own.
     at : float
         Load factor.
-    order : float
-        Order of convergence assumed for the first two runs: 2 is that of smooth sheets; cut tips make it less.
+    order : float, optional
+        Order of convergence assumed for the first two runs; by default 2, and 1 for a sheet with cuts, because the
+        stress at their tips grows without bound (Grisvard, 1985).
+    most : int
+        Largest number of runs, at least 3; a fourth is made where the third has shown another order than assumed.
 
     Returns
     -------
@@ -194,25 +199,38 @@ def choose_mesh(
     ...     left, right = m.select(boundary="left"), m.select(boundary="right")
     ...     objects = m.add(kg.Fix(left), kg.Prescribe(right, x=0.001, y=0))
     ...     return m, right, "x"
-    >>> choice = kg.study.choose_mesh(pulled, start=0.2, error=0.02, stiffness="facet")
+    >>> choice = kg.study.choose_mesh(pulled, start=0.2, error=0.03, stiffness="facet")
     >>> choice.reached, choice.max_edge <= 0.2
     (True, True)
     """
     error = require_positive(error, "error", "choose_mesh")
     start = require_positive(start, "start", "choose_mesh")
-    order = require_positive(order, "order", "choose_mesh")
+    given = None if order is None else require_positive(order, "order", "choose_mesh")
     runs = [run_case(case, size, stiffness, at, quantity, "choose_mesh") for size in (start, start / RATIO)]
     _same_branch(runs[0], runs[1], "choose_mesh")
+    mesh = runs[1].results.mesh
+    assumed = given if given is not None else 1.0 if mesh is not None and mesh.cuts else 2.0
     change = runs[1].value - runs[0].value
-    limit = runs[1].value + change / (RATIO**order - 1)
-    now = abs(runs[1].value / limit - 1) if limit else np.inf
-    closer = max((now / (SAFETY * error)) ** (1 / order), CLOSER)
-    third = runs[1].max_edge / min(closer, LARGEST_STEP)
-    expected = now * (third / runs[1].max_edge) ** order
-    runs.append(run_case(case, third, stiffness, at, quantity, "choose_mesh"))
-    _same_branch(runs[1], runs[2], "choose_mesh")
+    limit = runs[1].value + change / (RATIO**assumed - 1)
+    now, seen, errors = abs(runs[1].value / limit - 1) if limit else np.inf, assumed, np.empty(0)
+    while len(runs) < max(most, 3):
+        last = runs[-1]
+        closer = max((now / (SAFETY * error)) ** (1 / assumed), CLOSER)
+        finer = last.max_edge / min(closer, LARGEST_STEP)
+        expected = now * (finer / last.max_edge) ** assumed
+        runs.append(run_case(case, finer, stiffness, at, quantity, "choose_mesh"))
+        _same_branch(last, runs[-1], "choose_mesh")
+        limit, seen, errors = _judged(runs)
+        if errors[-1] <= error or np.isnan(seen):
+            break
+        now, assumed = float(errors[-1]), seen
+    return MeshChoice(tuple(runs), quantity, error, limit, seen, errors, float(expected))
+
+
+def _judged(runs: Sequence[MeshRun]) -> tuple[float, float, Array]:
+    """Limit and order that the last three runs have, and the error of every run."""
     sizes, values = np.array([run.max_edge for run in runs]), np.array([run.value for run in runs])
-    seen = observed_order(sizes, values)
+    seen = observed_order(sizes[-3:], values[-3:])
     if np.isnan(seen):
         # No law to extrapolate with: the last change, as if of order 1, and no less than the spread of later runs.
         limit = float(values[-1])
@@ -221,7 +239,7 @@ def choose_mesh(
     else:
         limit = float(values[-1] + (values[-1] - values[-2]) / ((sizes[-2] / sizes[-1]) ** seen - 1))
         errors = np.abs(values / limit - 1)
-    return MeshChoice(tuple(runs), quantity, error, limit, seen, errors, float(expected))
+    return limit, seen, errors
 
 
 def observed_order(sizes: Sequence[float] | Array, values: Sequence[float] | Array) -> float:
@@ -302,14 +320,14 @@ def shape_distance(one: Results, other: Results) -> float:
     shares = _barycentric(second.nodes[corners][:, :, :2], centres)
     there = np.einsum("pc,pc->p", shares, heights[1][corners])
     space = ShapeSpace(one.model)
-    # compared at the facets: a nodal field whose mean over each facet is nearly the given one
-    lifted = np.zeros((2, len(mesh.nodes), 3))
-    lifted[0, :, 2] = heights[0]
+    here = heights[0][mesh.triangles].mean(axis=1)
+    lifted = np.zeros((2, len(mesh.nodes), 3))  # both taken at the facets, so that both lose alike by it
     weight = np.zeros(len(mesh.nodes))
     for corner in mesh.triangles.T:
-        np.add.at(lifted[1, :, 2], corner, mesh.facet_areas * there)
         np.add.at(weight, corner, mesh.facet_areas)
-    lifted[1, :, 2] /= weight
+        for field_, values in zip(lifted, (here, there)):
+            np.add.at(field_[:, 2], corner, mesh.facet_areas * values)
+    lifted[:, :, 2] /= weight
     return space.distance(lifted[0], lifted[1])
 
 
