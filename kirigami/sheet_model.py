@@ -14,7 +14,7 @@ from kirigami.model import Material, Model, ModelObject, Node, require_positive
 from kirigami.stiffness import Calibration, SheetConstants, bar_stiffness, directional_bias, hinge_stiffness
 
 FEW = 50  # facets below which a mesh is too small to have a pattern
-BIAS = 0.1  # unevenness of edge directions that goes with moduli off by more than a fifth once the mesh relaxes
+BIAS = 0.2  # unevenness of stiffness over the directions, before relaxation, that is worth a warning
 
 if TYPE_CHECKING:
     from kirigami.geometry.mesh import TriMesh

@@ -126,7 +126,7 @@ def test_estimate_and_gain_at_a_slit() -> None:
 
 @pytest.mark.long
 def test_gain_in_space() -> None:
-    """Buckled: about 450 nodes graded along the cut err by 18 %, as many where the estimate wants them by 5 % at most."""
+    """Buckled: about 450 nodes graded along the cut err by 18 %, as many where they are wanted by 5 % at most."""
     forces = []
     model, top = buckled(STRIP.mesh(0.01), "split")
     forces.append(kg.DisplacementControl(model).run().reaction(top, "y")[-1])

@@ -49,8 +49,8 @@ def case(max_edge: float, stiffness: str) -> tuple[kg.Model, Sequence[kg.Node], 
 # %% [markdown]
 # ## Rungs: what do the elements represent?
 #
-# `stiffness=` chooses the rung. "paper" has the constants of the publication, "plate" bars and hinges with the constants
-# of a plate, "facet" couples the three bars and the three hinges of a facet, and "split" has curved facets with normals.
+# `stiffness=` chooses the rung. "paper" has the constants of the publication, "plate" bars and hinges with those of a
+# plate, "facet" couples the three bars and the three hinges of a facet, and "split" has curved facets with normals.
 # `kg.stiffness.report` measures the elastic constants that a mesh with these elements stands for. What it says holds on
 # any mesh of this kind: no refinement helps where a number is not 1.
 
@@ -124,9 +124,9 @@ plt.show()
 # %% [markdown]
 # ## How fine must a uniform mesh be?
 #
-# `kg.study.choose_mesh` needs two coarse runs. It extrapolates, picks a size for the wanted error, runs it, and compares
-# what it expected with what it got. It refuses runs that end in different shapes, because no law connects them. To keep
-# this page quick, the sheet stays flat here (`dim=2`).
+# `kg.study.choose_mesh` needs two coarse runs. It extrapolates, picks a size for the wanted error, runs it, and
+# compares what it expected with what it got. It refuses runs that end in different shapes, because no law connects
+# them. To keep this page quick, the sheet stays flat here (`dim=2`).
 
 
 # %%
@@ -144,12 +144,12 @@ print(choice)
 # %% [markdown]
 # ## Stress
 #
-# `results.stress()` has tensors, principal stresses, membrane forces and moments of every facet, from the stretch of its
-# edges and its curvature. `plot_stress` draws one of them on the deformed sheet, here the largest principal stress at
-# the upper face [Pa].
+# `results.stress()` has tensors, principal stresses, membrane forces and moments of every facet, from the stretch of
+# its edges and its curvature. `plot_stress` draws one of them on the deformed sheet, here the largest principal stress
+# at the upper face [Pa].
 
 # %%
-results.plot_stress(view=(35, -60), magnify=3)
+results.plot_stress(view=(35, -60), magnify=10)
 plt.show()
 stress = results.stress(-1)
 print(f"{100 * stress.membrane_share:.0f} % of the energy is in stretching")

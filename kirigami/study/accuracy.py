@@ -245,7 +245,8 @@ def measured(case: Case, stiffness: str, max_edge: float, tol: float, targets: S
     values = quantities(results, nodes, axis)
     for lam in targets:
         step = int(np.argmin(np.abs(results.lam - lam)))
-        row |= {_column(quantity, lam): float(values[quantity][step]) for quantity in QUANTITIES}
+        found = {_column(quantity, lam): float(values[quantity][step]) for quantity in QUANTITIES}
+        row |= {name: value for name, value in found.items() if np.isfinite(value)}  # no cuts, no open area
     return row
 
 

@@ -140,8 +140,7 @@ class ErrorEstimate:
         near = tree.query(centres, k=min(60, len(centres)))
 
         def graded(factor: float) -> Floats:
-            wanted = np.clip(factor * shape, now / LARGEST_CHANGE, now * LARGEST_CHANGE)
-            wanted = np.maximum(wanted, floor)
+            wanted: Floats = np.maximum(np.clip(factor * shape, now / LARGEST_CHANGE, now * LARGEST_CHANGE), floor)
             for _ in range(20):
                 bounded = np.minimum(wanted, (wanted[near[1]] + GRADING * near[0]).min(axis=1))
                 if np.allclose(bounded, wanted, rtol=1e-3):

@@ -124,8 +124,8 @@ class MeshChoice:
         ]
         if np.isnan(self.order):
             lines.append(
-                "the last three runs do not converge evenly: their errors are rough, from the changes between runs as if "
-                "of order 1; a finer start may help"
+                "the last three runs do not converge evenly: their errors are rough, from the changes between runs as "
+                "if of order 1; a finer start may help"
             )
         else:
             lines.append(f"observed order {self.order:.2g}; {name} tends to {self.limit:.5g}")
@@ -341,5 +341,3 @@ def _same_branch(one: MeshRun, other: MeshRun, owner: str) -> None:
             "size follows from them. Start from a finer mesh, or lead both by the same, larger imperfection",
             results=other.results,
         )
-
-
