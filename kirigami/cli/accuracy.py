@@ -33,7 +33,7 @@ def add(commands: Any) -> None:
         commands, "accuracy", run, help="compare error with time", description=DESCRIPTION, epilog=EPILOG
     )
     parser.add_argument("drawing", type=Path, nargs="?", metavar="DRAWING", help="the file")
-    parser.add_argument("--thickness", type=length, default=1e-4, metavar="LENGTH", help="default: 0.1 mm")
+    parser.add_argument("--thickness", type=length, default=5e-4, metavar="LENGTH", help="default: 0.5 mm")
     parser.add_argument("--E", type=quantity("stress"), default=3.5e9, metavar="STRESS", help="default: 3.5 GPa")
     parser.add_argument("--nu", type=float, default=0.34, metavar="RATIO", help="default: %(default)s")
     parser.add_argument(
@@ -68,7 +68,7 @@ def run(options: argparse.Namespace) -> int:
         drawing = read_drawing(options.drawing, **{**reading(options), "unit": "m"})
     sheet = drawing.sheet(options.thickness, kg.Material(E=options.E, nu=options.nu))
     xmin, ymin, xmax, ymax = sheet.bounds
-    sizes = options.sizes or [min(xmax - xmin, ymax - ymin) / count for count in (8, 12, 18)]
+    sizes = options.sizes or [min(xmax - xmin, ymax - ymin) / count for count in (5, 7, 10)]
 
     def case(max_edge: float, stiffness: str) -> tuple[kg.Model, list[kg.Node], str]:
         model, nodes = pulled_sheet(sheet, max_edge, options.direction, options.strain, stiffness)

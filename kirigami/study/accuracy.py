@@ -213,6 +213,7 @@ def accuracy(
     ]
     if reference is None:
         designs.append({"stiffness": rungs[-1], "max_edge": FINER * min(edges), "tol": min(limits)})
+    given = None if reference is None else read_reference(reference, load_factors)  # a slip must not cost the runs
     targets = load_factors.tolist()
 
     def run(stiffness: str, max_edge: float, tol: float) -> dict[str, float]:
@@ -221,9 +222,9 @@ def accuracy(
     run.__qualname__ = f"accuracy at {targets}"
     with ThreadPoolExecutor(1) as alone:
         table = Sweep(run, designs, path).run(alone, progress=progress)
-    if reference is not None:
+    if given is not None and reference is not None:
         name = "given values" if isinstance(reference, Mapping) else Path(reference).name
-        return AccuracyStudy(table, load_factors, read_reference(reference, load_factors), name)
+        return AccuracyStudy(table, load_factors, given, name)
     last = list(table)[-1]
     name = f"{last['stiffness']}, max_edge {float(last['max_edge']):.4g}"
     study = AccuracyStudy(table, load_factors, {}, name, own=int(last["design"]))
