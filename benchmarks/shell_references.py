@@ -197,7 +197,8 @@ def draw(rows: list[dict[str, Any]], path: Path) -> None:
         wanted = reference(case)
         shell = CASES[case].shell
         worst = [100 * np.abs(shell_errors(case, level, wanted)["force"]).max() for level in shell]
-        ax.plot([seconds for _, seconds in shell.values()], worst, "k*-", lw=0.8, label="shell")
+        points = [(seconds, error) for (_, seconds), error in zip(shell.values(), worst) if error > 0.1]
+        ax.plot(*zip(*points), "k*-", lw=0.8, label="shell")
         for rung, (color, marker) in LOOKS.items():
             chosen = [r for r in rows if r["case"] == case and r["stiffness"] == rung and r["status"] == "done"]
             chosen.sort(key=lambda row: float(row["cpu_seconds"]))
@@ -206,7 +207,10 @@ def draw(rows: list[dict[str, Any]], path: Path) -> None:
             if chosen:
                 ax.plot(seconds, found, color=color, marker=marker, lw=1, label=rung)
         ax.axhspan(1e-2, 100 * max(CASES[case].remaining), color="black", alpha=0.07, lw=0)
-        ax.set(xscale="log", yscale="log", ylim=(0.5, 200), xlabel="CPU seconds", title=case)
+        ax.set(xscale="log", yscale="log", ylim=(0.5, 200), xlabel="CPU seconds", title=case, xlim=(4, 400))
+        for axis in (ax.xaxis, ax.yaxis):
+            axis.set_major_formatter("{x:g}")
+            axis.set_minor_formatter("")
         ax.grid(True, which="both", lw=0.3, alpha=0.5)
     panels[0][0].set_ylabel("largest force error [%]")
     panels[0][0].legend(fontsize=7)

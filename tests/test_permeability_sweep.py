@@ -47,7 +47,7 @@ def test_small_sheets(study: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatc
     assert low["cut_length"] == pytest.approx(sum(cut.length for cut in drawn) / (2.0 * 2.4), rel=1e-3)
     assert 0 < low["open_area"] < high["open_area"] < 0.5 and low["cuts"] == 8
     # Both pass through 5 % stretch, up to which of its stable shapes the sheet snaps into (they differ by 4.5 %).
-    assert low["permeability_at_least_stretch"] == pytest.approx(high["permeability_at_least_stretch"], rel=0.06)
+    assert low["permeability_at_least_stretch"] == pytest.approx(high["permeability_at_least_stretch"], rel=1e-6)
     assert low["permeability_at_least_stretch"] < low["permeability"] < high["permeability"]
 
 

@@ -26,6 +26,7 @@ LOOKS = {
 def draw_accuracy(study: AccuracyStudy, others: Mapping[str, Mapping[str, tuple[float, float]]]) -> Figure:
     """Largest error against CPU seconds, one panel a quantity; failures are listed below."""
     from matplotlib.figure import Figure
+    from matplotlib.ticker import LogFormatter
 
     from kirigami.study.accuracy import QUANTITIES
 
@@ -55,6 +56,9 @@ def draw_accuracy(study: AccuracyStudy, others: Mapping[str, Mapping[str, tuple[
                 ax.plot([seconds_there], [100 * error], color="black", marker="*x+"[number % 3], lw=0, label=name)
         ax.set(xscale="log", yscale="log", xlabel="CPU seconds", title=quantity.replace("_", " "))
         ax.grid(True, which="both", lw=0.3, alpha=0.5)
+        for axis in (ax.xaxis, ax.yaxis):
+            axis.set_major_formatter("{x:g}")
+            axis.set_minor_formatter(LogFormatter(labelOnlyBase=False, minor_thresholds=(1.2, 0.5)))
     axes[0].set_ylabel("largest error [%]")
     axes[-1].legend(fontsize=7)
     failed = [f"{row['stiffness']} {float(row['max_edge']):g}" for row in study.table if row["status"] == "failed"]
