@@ -6,7 +6,7 @@ They do not state the ranges, the size and thickness of the sheets, the mesh, th
 and which cut lengths enter the formula: what stands below under "our choices" is ours.
 
     python permeability_sweep.py           24 designs with fewer cells: a few minutes on two cores
-    python permeability_sweep.py --full    75 designs with up to 326 cuts: estimated at half an hour on two cores
+    python permeability_sweep.py --full    75 designs with up to 326 cuts: a quarter of an hour on two cores
 
 Interrupted runs go on where they stopped. The table is permeability_sweep.csv (or permeability_sweep_full.csv), the
 figure is beside it. Designs that fail are rows of the table and listed at the end.
