@@ -374,7 +374,7 @@ class Model(ModelFiles):
         offset = np.array(shape, dtype=float)  # a Mode turns into its shape
         base, tip = self.normals
         own = np.setdiff1d(np.arange(len(self._nodes)), tip)
-        if len(offset) == len(self._nodes):
+        if offset.shape[:1] == (len(self._nodes),):
             offset = offset[own]
         n = len(own)
         if offset.shape == (n,):

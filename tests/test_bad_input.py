@@ -197,7 +197,7 @@ def test_stale_system_refuses():
 
 def test_perturb_checks_its_shape():
     m, _ = truss()
-    for shape in (np.ones(2), np.ones((3, 5)), np.full(3, math.nan)):
+    for shape in (3.0, np.ones(2), np.ones((3, 5)), np.full(3, math.nan)):
         with pytest.raises(kg.ModelError, match="perturb"):
             m.perturb(shape)
     with pytest.raises(kg.ModelError, match="zero everywhere"):

@@ -46,7 +46,7 @@ def run(options: argparse.Namespace) -> int:
     import numpy as np
 
     pull, cut_length = 0.4, 2.0  # m
-    model, top = demo_model(max_edge=0.0575 if options.full else 0.135, pull=pull)
+    model, top = demo_model(max_edge=0.0575 if options.full else 0.15, pull=pull)
     say = speaker(options)
     options.folder.mkdir(parents=True, exist_ok=True)
     say(f"Stretching a sheet of 2 x 5 curved cells by {pull} m, {len(model.nodes)} nodes")
@@ -102,14 +102,17 @@ def demo_model(max_edge: float, pull: float) -> tuple[kg.Model, list[kg.Node]]:
     from shapely import LineString, box
 
     sheet = kg.Sheet(
-        box(0, 0, 2, 2.4), kg.cuts.curved_cells(2, 5), thickness=0.003, material=kg.Material(E=2.5e9, nu=0.34)
+        box(0, 0, 2, 2.4),
+        kg.cuts.curved_cells(2, 5, opening=0.005),
+        thickness=0.003,
+        material=kg.Material(E=2.5e9, nu=0.34),
     )
     grips = {"lower grip": LineString([(0, 0.095), (2, 0.095)]), "upper grip": LineString([(0, 2.305), (2, 2.305)])}
     model = kg.Model.from_mesh(sheet.mesh(max_edge, lines=grips))
     model.name = "sheet of 2 x 5 curved cells"
     bottom, top = model.select(box=(0, 0, 2, 0.095)), model.select(box=(0, 2.305, 2, 2.4))
     x, y, _ = model.positions().T
-    model.perturb(0.09 * np.exp(-((x - 1) ** 2) - (y - 1.2) ** 2))
+    model.perturb(0.05 * np.exp(-((x - 1) ** 2) - (y - 1.2) ** 2))
     model.add(kg.Fix(bottom), kg.Fix(top, "xz"), kg.Prescribe(top, y=pull))
     return model, top
 
