@@ -54,7 +54,8 @@ def test_demo_writes_its_files_and_says_the_numbers(
     force = results.reaction(top.tolist(), "y")
     said = capsys.readouterr()
     first, *_, last = results.open_area(union=True)
-    for number in (f" {len(results.rest):,}, ", f" {force.max():.4g} N at strain", f" {last:.4g} m^2, from {first:.4g} m^2"):
+    opened = f" {last:.4g} m^2, from {first:.2g} m^2"
+    for number in (f" {len(results.rest):,}, ", f" {force.max():.4g} N at strain", opened):
         assert number in said.out
     assert "0.2 = 0.4 m of grip displacement / 2 m of cut region" in said.out
     assert "Animation" in said.err  # progress goes to the other stream, out of the way of a pipe
