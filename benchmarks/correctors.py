@@ -18,7 +18,7 @@ increments that do not shrink), "viscous" (the same with a mass shift instead of
 
 What was tried in the tuning of the descent, as factorisations of staggered slits at imperfection 1e-3 until lock:
 
-* fading changed slowly (growth 3, decay 1.5) 546, and with a monotone energy line search 484: line searches stop at
+* fading changed slowly (growth 3, decay 1.5) 489, and with a monotone energy line search 484: line searches stop at
   the false stretch of a rotation, which the mixed stress forgives, so steps become short and more of them are needed;
 * the same with growth 4 and decay 3, one failed factorisation in three but far fewer iterations: 243.
 

@@ -66,8 +66,7 @@ def _warn_of_bias(mesh: TriMesh) -> None:
     """Say so where bars and hinges on this mesh are far from isotropic, as on squares with one diagonal."""
     if len(mesh.triangles) < FEW:
         return
-    bias = directional_bias(mesh)
-    low, high = bias["E"]
+    low, high = directional_bias(mesh)
     if low < 1 - BIAS or high > 1 + BIAS:
         warnings.warn(
             f"the mesh is biased: its edges favour some directions, so that bars and hinges on it represent {low:.2f} "

@@ -36,9 +36,10 @@ from numpy.typing import NDArray
 from kirigami.elements.triangle import (
     ENDS,
     STARTS,
+    check_areas,
     edge_vectors,
     flat_edges,
-    plane_stress,
+    membrane_stiffness,
     strain_from_edges,
     without_compression,
 )
@@ -48,7 +49,6 @@ from kirigami.model import Material, ModelObject, Node, Numbering, require_posit
 from kirigami.normal import Normal
 
 CHUNK = 512  # facets whose Hessians are made at a time, so that they stay in the processor's cache
-DEGENERATE = 1e-10  # least height of a facet over its longest edge
 # End slopes are listed edge by edge: slope 2 c is at the start of edge c, slope 2 c + 1 at its end.
 CORNER_OF_SLOPE = np.array([corner for pair in zip(STARTS, ENDS) for corner in pair])
 EDGE_OF_SLOPE = np.repeat(np.arange(3), 2)
@@ -109,12 +109,7 @@ class CurvedFacet(ModelObject):
         if numbering.dim == 2:
             raise ModelError("CurvedFacet needs a model with dim=3")
         conn = numbering.connectivity(objects)
-        edges = edge_vectors(numbering.rest, conn)
-        area = 0.5 * np.linalg.norm(np.cross(edges[:, 0], edges[:, 1]), axis=1)
-        bad = np.flatnonzero(area <= 0.5 * DEGENERATE * (edges**2).sum(axis=2).max(axis=1))
-        if bad.size:
-            first = ", ".join(numbering.describe(node) for node in objects[int(bad[0])].nodes[:3])
-            raise ModelError(f"{bad.size} CurvedFacet(s) without area, the first on {first}: remove or remesh them")
+        check_areas("CurvedFacet", conn[:, :3], numbering)
         thickness = np.array([facet.thickness for facet in objects])
         E = np.array([facet.material.E for facet in objects])
         nu = np.array([facet.material.nu for facet in objects])
@@ -184,9 +179,7 @@ class CurvedFacetKernel(Kernel):
         flat, self.area = flat_edges(self._rest_edges)
         self._square = (flat**2).sum(axis=2)
         self._to_strain = strain_from_edges(flat)
-        elasticity = np.array([plane_stress(value) for value in np.unique(nu)])[np.unique(nu, return_inverse=True)[1]]
-        elasticity *= (E * thickness * self.area)[:, None, None]
-        self._membrane = self._to_strain.transpose(0, 2, 1) @ elasticity @ self._to_strain
+        self._membrane = membrane_stiffness(self._to_strain, self.area, thickness, E, nu)
         parts = np.stack([self.rigidity, nu * self.rigidity, 0.5 * (1 - nu) * self.rigidity], axis=1)
         self._bending = np.einsum("nijm,nm->nij", slope_stiffness(flat, self.area), parts)
         directions = self._rest_tips / self.tip_length[..., None]

@@ -25,17 +25,16 @@ from kirigami.elements.bend_hinge import BendHingeKernel
 from kirigami.elements.triangle import (
     ENDS,
     STARTS,
+    check_areas,
     edge_vectors,
     flat_edges,
-    plane_stress,
+    membrane_stiffness,
     strain_from_edges,
     without_compression,
 )
 from kirigami.errors import ModelError
 from kirigami.kernel import Array, Contribution, Kernel, displacement_of
 from kirigami.model import Material, ModelObject, Node, Numbering, require_positive
-
-DEGENERATE = 1e-10  # least height of a facet over its longest edge
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -96,12 +95,7 @@ class Facet(ModelObject):
     @classmethod
     def lower(cls, objects: Sequence[Facet], numbering: Numbering) -> list[Kernel]:
         corners = numbering.index(node for facet in objects for node in facet.nodes[:3]).reshape(-1, 3)
-        edges = edge_vectors(numbering.rest, corners)
-        _, area = flat_edges(edges)
-        bad = np.flatnonzero(~(area > 0.5 * DEGENERATE * (edges**2).sum(axis=2).max(axis=1)))
-        if bad.size:
-            first = ", ".join(numbering.describe(node) for node in objects[int(bad[0])].nodes[:3])
-            raise ModelError(f"{bad.size} Facet(s) without area, the first on {first}: remove or remesh them")
+        check_areas("Facet", corners, numbering)
         groups: dict[int, list[int]] = {}
         for position, facet in enumerate(objects):
             groups.setdefault(len(facet.nodes), []).append(position)
@@ -144,11 +138,7 @@ class FacetKernel(Kernel):
         flat, self.area = flat_edges(self._rest_edges)
         self._square = (flat**2).sum(axis=2)
         self._to_strain = strain_from_edges(flat)
-        elasticity = np.array([plane_stress(value) for value in np.unique(nu)])[np.unique(nu, return_inverse=True)[1]]
-        elasticity *= E[:, None, None]
-        self._membrane = self._to_strain.transpose(0, 2, 1) @ (
-            elasticity * (thickness * self.area)[:, None, None]
-        ) @ self._to_strain
+        self._membrane = membrane_stiffness(self._to_strain, self.area, thickness, E, nu)
         self._force_ahead: Array | None = None
         self.hinge_facet, self.hinge_edge = np.nonzero(bends & (dim == 3))
         self._hinges: BendHingeKernel | None = None
@@ -165,9 +155,9 @@ class FacetKernel(Kernel):
             across[f, c] = 0.5 * np.linalg.norm(
                 np.cross(neighbour[:, 1] - neighbour[:, 0], neighbour[:, 2] - neighbour[:, 0]), axis=1
             )
-            self._bending = self._bending_matrix(flat, across, elasticity * (thickness**3 / 12)[:, None, None])
+            self._bending = self._bending_matrix(flat, across)
 
-    def _bending_matrix(self, flat: Array, across: Array, rigidity: Array) -> Array:
+    def _bending_matrix(self, flat: Array, across: Array) -> Array:
         """Energy matrix (n, 3, 3) of the fold angles, those of free edges eliminated."""
         length = np.sqrt(self._square)
         normal = np.stack([flat[..., 1], -flat[..., 0]], axis=-1) / length[..., None]
@@ -175,7 +165,8 @@ class FacetKernel(Kernel):
             [normal[..., 0] ** 2, normal[..., 1] ** 2, 2 * normal[..., 0] * normal[..., 1]], axis=1
         )
         columns *= (length / (self.area[:, None] + across))[:, None]
-        matrix = columns.transpose(0, 2, 1) @ rigidity @ columns * self.area[:, None, None]
+        # Bending is the same plane stress over the thickness: t^3 / 12 in the place of t.
+        matrix = membrane_stiffness(columns, self.area, self.thickness**3 / 12, self.E, self.nu)
         for c in range(3):  # no moment at a free edge: static condensation, one edge after the other
             free = np.flatnonzero(~self.bends[:, c])
             row = matrix[free, c]

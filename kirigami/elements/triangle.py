@@ -10,8 +10,11 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from kirigami.errors import ModelError
 from kirigami.kernel import Array
+from kirigami.model import Numbering
 
+DEGENERATE = 1e-10  # least height of a facet over its longest edge
 STARTS, ENDS = (1, 2, 0), (2, 0, 1)  # corners that edge c leaves from and goes to
 
 
@@ -38,6 +41,25 @@ def flat_edges(edges: Array) -> tuple[Array, Array]:
 def plane_stress(nu: float) -> Array:
     """Plane-stress matrix (3, 3) over E, for strains (exx, eyy, gamma_xy)."""
     return np.array([[1, nu, 0], [nu, 1, 0], [0, 0, (1 - nu) / 2]]) / (1 - nu**2)
+
+
+def check_areas(owner: str, corners: NDArray[np.int64], numbering: Numbering) -> None:
+    """Refuse facets without area, whose corners (n, 3) lie on a line."""
+    edges = edge_vectors(numbering.rest, corners)
+    with np.errstate(divide="ignore", invalid="ignore"):  # corners may coincide
+        _, area = flat_edges(edges)
+    bad = np.flatnonzero(~(area > 0.5 * DEGENERATE * (edges**2).sum(axis=2).max(axis=1)))
+    if bad.size:
+        nodes = numbering.model.nodes
+        first = ", ".join(numbering.describe(nodes[k]) for k in corners[bad[0]].tolist())
+        raise ModelError(f"{bad.size} {owner}(s) without area, the first on {first}: remove or remesh them")
+
+
+def membrane_stiffness(to_strain: Array, area: Array, thickness: Array, E: Array, nu: Array) -> Array:
+    """Matrices (n, 3, 3) of the plane-stress energy in what `to_strain` turns into strain, such as edge strains."""
+    values, which = np.unique(nu, return_inverse=True)
+    elasticity = np.array([plane_stress(value) for value in values])[which] * (E * thickness * area)[:, None, None]
+    return np.asarray(to_strain.transpose(0, 2, 1) @ elasticity @ to_strain)
 
 
 def strain_from_edges(flat: Array) -> Array:

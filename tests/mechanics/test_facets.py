@@ -141,6 +141,11 @@ def test_wrong_facets_say_what_is_wrong() -> None:
     model.add(a, b, c, kg.Facet(a, b, c, 0.1, steel))
     with pytest.raises(kg.ModelError, match="without area"):
         kg.System(model)
+    twice = kg.Model()
+    twice.add(a, kg.Node(0, 0), c)
+    twice.add(kg.Facet(*twice.nodes, 0.1, steel))
+    with pytest.raises(kg.ModelError, match="without area"):
+        kg.System(twice)
     with pytest.raises(kg.ModelError, match="add the node first"):
         kg.Model().add(kg.Normal(a))
 
