@@ -40,10 +40,35 @@ class BlockPlan:
         unique, inverse = np.unique(np.concatenate(codes), return_inverse=True)
         self.count = len(unique)
         self.low, self.high = unique // nodes, unique % nodes
+        self.nodes = nodes
+        self.own = np.flatnonzero(self.low == self.high)  # the block of each node with itself
         sections = np.cumsum([len(code) for code in codes])[:-1]
         self.slots = [
             slots + flip * self.count for slots, flip in zip(np.split(inverse, sections)[1:], flips)
         ]
+
+    def add(self, total: Array, kernel: Kernel, slots: Index, hessian: Array) -> None:
+        """Add the Hessian of a kernel to `total` (dim, dim, 2 blocks), of which :meth:`folded` makes node blocks."""
+        if kernel.pairs is None:  # all k * k blocks given: the upper ones say it all
+            first, second = np.triu_indices(kernel.conn.shape[1])
+            hessian = hessian[:, first, second]
+        by_component = hessian.transpose(2, 3, 1, 0)
+        for a in range(len(total)):
+            for b in range(len(total)):
+                total[a, b] += np.bincount(slots, by_component[a, b].ravel(), 2 * self.count)
+
+    def folded(self, total: Array) -> Array:
+        """Node blocks (dim, dim, blocks): what first came with the higher node number is turned over."""
+        blocks: Array = total[:, :, : self.count] + total[:, :, self.count :].swapaxes(0, 1)
+        return blocks
+
+    def complete(self, blocks: Array) -> None:
+        """Fill in the block of each node with itself, zero so far: shifting all nodes together makes no force."""
+        for a in range(len(blocks)):
+            for b in range(a + 1):
+                # Blocks are sorted by their lower node and every node has a block of its own, so none is passed over.
+                others = np.add.reduceat(blocks[a, b], self.own) + np.bincount(self.high, blocks[b, a], self.nodes)
+                blocks[a, b, self.own] = blocks[b, a, self.own] = -others
 
     def links(self, rest: Array) -> tuple[Index, Index, Array]:
         """Joined node pairs and their distance."""
@@ -54,13 +79,16 @@ class BlockPlan:
         return low[apart], high[apart], distance[apart]
 
     def multiply(self, blocks: Array, vector: Array) -> Array:
-        """Product of the symmetric block matrix with a field (n, dim)."""
+        """Product of the symmetric block matrix with a field (n, dim), which may be zero nearly everywhere."""
         product = np.zeros_like(vector)
-        off = self.low != self.high
-        upper = np.einsum("abn,nb->na", blocks, vector[self.high])
-        lower = np.einsum("ban,nb->na", blocks[:, :, off], vector[self.low[off]])
-        scatter_add(product, self.low[:, None], upper[:, None])
-        scatter_add(product, self.high[off][:, None], lower[:, None])
+        moving = np.asarray(vector.any(axis=1))
+        at = np.flatnonzero(moving[self.low] | moving[self.high])
+        low, high, blocks = self.low[at], self.high[at], blocks[:, :, at]
+        off = low != high
+        upper = np.einsum("abn,nb->na", blocks, vector[high])
+        lower = np.einsum("ban,nb->na", blocks[:, :, off], vector[low[off]])
+        scatter_add(product, low[:, None], upper[:, None])
+        scatter_add(product, high[off][:, None], lower[:, None])
         return product
 
 

@@ -62,6 +62,22 @@ def add_blocks(kernel: Any, x: Configuration, slots: Index, blocks: Array) -> No
         compiled_loops.hinge_blocks(*_hinge(kernel, x), kernel.convexity, slots, blocks)
 
 
+def linearize(kernel: Any, x: Configuration, change: Array) -> None:
+    """See :meth:`Kernel.linearize`; only bars take part."""
+    from kirigami import compiled_loops
+
+    if kernel.name == "bars":
+        kernel._stress_ahead = np.empty(len(kernel.conn))
+        compiled_loops.bar_stress_ahead(*_bar(kernel, x), np.ascontiguousarray(change), kernel._stress_ahead)
+
+
+def largest_turn(change: Array, low: Index, high: Index, distance: Array) -> float:
+    """Largest relative displacement of joined nodes over their distance, for a change (n, dim)."""
+    from kirigami import compiled_loops
+
+    return float(compiled_loops.largest_turn(np.ascontiguousarray(change), low, high, distance))
+
+
 def _bar(kernel: BarKernel, x: Configuration) -> tuple[Any, ...]:
     u = _displacement(kernel, x)
     return kernel.conn, u, kernel._rest_vector, kernel._rest_strain, kernel.EA, kernel.rest_length

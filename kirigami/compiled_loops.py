@@ -44,6 +44,18 @@ def bar_forces(conn, u, rest_vector, rest_strain, EA, rest_length, total):  # ty
 
 
 @compiled
+def bar_stress_ahead(conn, u, rest_vector, rest_strain, EA, rest_length, change, stress):  # type: ignore[no-untyped-def]
+    """Stress over EA after a linear step `change` off u."""
+    vector = np.empty(3)
+    for m in range(len(conn)):
+        strain = bar_state(m, conn, u, rest_vector, rest_strain, rest_length, vector)
+        rate = 0.0
+        for axis in range(3):
+            rate += vector[axis] * (change[conn[m, 1], axis] - change[conn[m, 0], axis])
+        stress[m] = strain + rate / rest_length[m] ** 2
+
+
+@compiled
 def bar_blocks(  # type: ignore[no-untyped-def]
     conn, u, rest_vector, rest_strain, EA, rest_length, ahead, convexity, slots, blocks
 ):
@@ -57,17 +69,11 @@ def bar_blocks(  # type: ignore[no-untyped-def]
             stress -= convexity * stress
         geometric = EA[m] * stress / rest_length[m]
         along = EA[m] / rest_length[m] ** 3
-        first, cross, second = slots[m], slots[n + m], slots[2 * n + m]
-        if cross >= count:
-            cross -= count  # a symmetric block: no need to turn it over
+        slot = slots[m] if slots[m] < count else slots[m] - count  # a symmetric block: no need to turn it over
         for a in range(3):
             for b in range(3):
-                value = along * vector[a] * vector[b]
-                if a == b:
-                    value += geometric
-                blocks[first, a, b] += value
-                blocks[cross, a, b] -= value
-                blocks[second, a, b] += value
+                blocks[slot, a, b] -= along * vector[a] * vector[b]
+            blocks[slot, a, a] -= geometric
 
 
 @compiled
@@ -134,44 +140,41 @@ def hinge_blocks(  # type: ignore[no-untyped-def]
     conn, u, rest_edge, rest_i, rest_l, stiffness, rest_angle, committed, convexity, slots, blocks
 ):
     edge, wings, beta, height = np.empty(3), np.empty((2, 3)), np.empty(2), np.empty(2)
-    t, n, grad, h = np.empty((2, 3)), np.empty((2, 3)), np.empty((4, 3)), np.empty((10, 3, 3))
+    t, n, grad, h = np.empty((2, 3)), np.empty((2, 3)), np.empty((4, 3)), np.empty((6, 3, 3))
     count, members = len(blocks), len(conn)
     for m in range(members):
         excess = hinge_state(
             m, conn, u, rest_edge, rest_i, rest_l, rest_angle, committed, edge, wings, beta, height, t, n, grad
         )
         moment = (1.0 - convexity) * stiffness[m] * excess
-        length = math.sqrt(edge[0] ** 2 + edge[1] ** 2 + edge[2] ** 2)
-        # Blocks of the nodes i, k, l, places 0, 2, 3, 7, 8, 9; those of j follow, as a shift of all costs nothing.
+        inverse_square = 1.0 / (edge[0] ** 2 + edge[1] ** 2 + edge[2] ** 2)
         for a in range(3):
             for b in range(3):
-                h[0, a, b] = stiffness[m] * grad[0, a] * grad[0, b]
-                h[2, a, b] = stiffness[m] * grad[0, a] * grad[2, b]
-                h[3, a, b] = stiffness[m] * grad[0, a] * grad[3, b]
-                h[7, a, b] = stiffness[m] * grad[2, a] * grad[2, b]
-                h[8, a, b] = stiffness[m] * grad[2, a] * grad[3, b]
-                h[9, a, b] = stiffness[m] * grad[3, a] * grad[3, b]
-                for w in range(2):
-                    turn = (n[w, a] * t[w, b] + t[w, a] * n[w, b]) * moment
-                    over = turn / height[w] ** 2
-                    skew = edge[a] * n[w, b] * moment / (height[w] * length * length)
-                    turned = n[w, a] * edge[b] * moment / (height[w] * length * length)
-                    h[7, a, b] -= beta[w] ** 2 * over - beta[w] * (skew + turned) + 0.5 * turn / length**2
+                h[2, a, b] = stiffness[m] * grad[0, a] * grad[3, b]
+                h[3, a, b] = stiffness[m] * grad[1, a] * grad[2, b]
+        for w in range(2):
+            share, by_square = stiffness[m] / height[w], moment / height[w] ** 2
+            by_length = moment * inverse_square / height[w]
+            common = beta[w] * (beta[w] - 1.0) + 0.5 * height[w] ** 2 * inverse_square
+            for a in range(3):
+                for b in range(3):
+                    # Each block is n y' + z n'; see BendHingeKernel.second_derivatives. First (a, b), then (b, a).
+                    over, over_b = by_square * t[w, a], by_square * t[w, b]
+                    skew, skew_b = by_length * edge[a], by_length * edge[b]
+                    na, nb = n[w, a], n[w, b]
+                    h[3, a, b] += na * (common * over_b - beta[w] * skew_b)
+                    h[3, a, b] += (common * over - (beta[w] - 1.0) * skew) * nb
                     if w == 0:
-                        h[0, a, b] -= over
-                        h[2, a, b] += beta[w] * over - skew
+                        h[0, a, b] = na * ((1.0 - beta[w]) * over_b + share * grad[1, b])
+                        h[0, a, b] += ((1.0 - beta[w]) * over + skew) * nb
+                        h[1, a, b] = na * (beta[w] * over_b + share * grad[2, b])
+                        h[1, a, b] += (beta[w] * over - skew) * nb
                     else:
-                        h[9, a, b] -= over
-                        h[8, a, b] += beta[w] * over - turned
-        for a in range(3):
-            for b in range(3):
-                h[1, a, b] = -(h[0, a, b] + h[2, a, b] + h[3, a, b])
-                h[5, a, b] = -(h[2, a, b] + h[7, a, b] + h[8, b, a])
-                h[6, a, b] = -(h[3, a, b] + h[8, a, b] + h[9, a, b])
-        for a in range(3):
-            for b in range(3):
-                h[4, a, b] = -(h[1, a, b] + h[5, b, a] + h[6, b, a])
-        for pair in range(10):
+                        h[4, a, b] = ((1.0 - beta[w]) * over + share * grad[1, a]) * nb
+                        h[4, a, b] += na * ((1.0 - beta[w]) * over_b + skew_b)
+                        h[5, a, b] = (beta[w] * over + share * grad[2, a]) * nb
+                        h[5, a, b] += na * (beta[w] * over_b - skew_b)
+        for pair in range(6):
             slot = slots[pair * members + m]
             if slot < count:
                 for a in range(3):
@@ -181,3 +184,20 @@ def hinge_blocks(  # type: ignore[no-untyped-def]
                 for a in range(3):
                     for b in range(3):
                         blocks[slot - count, b, a] += h[pair, a, b]
+
+
+@compiled
+def largest_turn(change, low, high, distance):  # type: ignore[no-untyped-def]
+    """Largest relative displacement of joined nodes over their distance; not finite where one is not."""
+    largest = 0.0
+    for k in range(len(low)):
+        square = 0.0
+        for axis in range(change.shape[1]):
+            apart = change[high[k], axis] - change[low[k], axis]
+            square += apart * apart
+        turn = square / (distance[k] * distance[k])
+        if not turn <= largest:
+            largest = turn
+            if not math.isfinite(turn):
+                break
+    return math.sqrt(largest)

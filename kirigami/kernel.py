@@ -73,6 +73,9 @@ class Kernel:
     pairs : tuple of (int, int), or None
         Local node pairs (a, b), a <= b, of the Hessian blocks that are returned; the blocks (b, a) follow by
         symmetry. None means all k * k blocks are returned; an empty tuple means the Hessian is zero.
+    translation_invariant : bool
+        True where shifting all nodes of a member changes nothing: then only pairs a < b are listed, since the block
+        (a, a) is minus the sum of the blocks (a, b).
     scaled : bool
         True where the potential depends on the load factor, which it must do linearly.
     members : ndarray of int, shape (n,), or None
@@ -94,6 +97,8 @@ class Kernel:
 
     name: ClassVar[str] = "kernel"
     pairs: tuple[tuple[int, int], ...] | None = None
+    translation_invariant: bool = False
+    measures_displacement: bool = False  # True where strain comes from displacements alone, and rounds as they do
     scaled: bool = False
     conn: NDArray[np.int64]
     anchored: bool = False  # True where rigid motions of its members cost energy, as for a support
@@ -217,18 +222,22 @@ def check_kernel(kernel: Kernel, x: ArrayLike, lam: float = 1.0, step: float = 1
 
 def full_hessian(kernel: Kernel, contribution: Contribution) -> Array:
     """All k * k Hessian blocks, shape (n, k, k, dim, dim), of a contribution that may list only some pairs."""
+    listed = contribution.hessian
+    if kernel.pairs is None:
+        assert listed is not None
+        return listed
     n, k = kernel.conn.shape
     assert contribution.gradient is not None
     dim = contribution.gradient.shape[2]
-    if kernel.pairs is None:
-        assert contribution.hessian is not None
-        return contribution.hessian
     full = np.zeros((n, k, k, dim, dim))
     for slot, (a, b) in enumerate(kernel.pairs):
-        assert contribution.hessian is not None
-        full[:, a, b] = contribution.hessian[:, slot]
+        assert listed is not None
+        full[:, a, b] = listed[:, slot]
         if a != b:
-            full[:, b, a] = contribution.hessian[:, slot].swapaxes(-1, -2)
+            full[:, b, a] = listed[:, slot].swapaxes(-1, -2)
+    if kernel.translation_invariant:
+        own = np.arange(k)
+        full[:, own, own] = -full.sum(axis=2)
     return full
 
 

@@ -7,6 +7,7 @@ kernel adds to the block of its node pair (lower number first), and the reduced 
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -60,7 +61,7 @@ class System:
         Number of unknowns.
     length, stiffness_scale, noise : float
         Median member length and stiffness, by which tolerances are made dimensionless, and the size of forces that
-        are nothing but rounding.
+        are nothing but rounding at displacements of a member's length.
 
     Raises
     ------
@@ -200,21 +201,28 @@ class System:
     def _measure(self) -> None:
         """Median member length and stiffness, and the size of forces that are nothing but rounding."""
         rest = self.configuration(np.zeros_like(self.rest))
-        lengths, stiffness = [], []
+        lengths, stiffness, shrinks = [], [], []
         for kernel in self.kernels:
             if kernel.pairs == ():
                 continue
             hessian = kernel.evaluate(rest, 0.0, 2).hessian
             assert hessian is not None
             stiffness.append(np.sqrt((hessian.reshape(len(kernel.conn), -1) ** 2).sum(axis=1)))
+            shrinks.append(np.full(len(kernel.conn), kernel.measures_displacement))
             if kernel.conn.shape[1] > 1:
                 corner = self.rest[kernel.conn[:, :2]]
                 lengths.append(np.linalg.norm(corner[:, 1] - corner[:, 0], axis=1))
         self.length = float(np.median(np.concatenate(lengths))) if lengths else self.size
-        norms = np.concatenate(stiffness)
+        norms, shrink = np.concatenate(stiffness), np.concatenate(shrinks)
+        self._noises = [ROUNDING * self.length * float(np.linalg.norm(norms[part])) for part in (np.logical_not(shrink), shrink)]
+        self.noise = math.hypot(*self._noises)
         norms = norms[norms > 0] if norms.any() else norms  # what is not in touch at rest says nothing
         self.stiffness_scale = float(np.median(norms))
-        self.noise = ROUNDING * self.length * float(np.linalg.norm(norms))
+
+    def _noise_at(self, u: Array) -> float:
+        """Size of forces that are nothing but rounding at displacements `u` (n, dim): less for small ones."""
+        small = min(float(np.abs(u).max(initial=0.0)) / self.length, 1.0)
+        return math.hypot(self._noises[0], small * self._noises[1])
 
     def check_version(self) -> None:
         """Refuse to answer for a model that has changed since."""
@@ -294,7 +302,7 @@ class System:
         total, scale = self.forces(u, lam)
         residual = self.reduce(total)
         size = float(np.linalg.norm(residual))
-        return residual, size / scale if size > self.noise or not np.isfinite(size) else 0.0
+        return residual, size / scale if size > self._noise_at(u) or not np.isfinite(size) else 0.0
 
     def gradient(self, u: ArrayLike, lam: float = 0.0) -> Array:
         """Gradient of the total potential (n, 3) at displacements `u` (n, 3): internal minus external forces."""
@@ -330,39 +338,38 @@ class System:
     def stiffness_blocks(self, u: Array, lam: float) -> Array:
         """Node blocks (dim, dim, blocks) of the Hessian of the potential."""
         x = self.configuration(u)
+        plan, blocks = self.plan, None
+        for invariant in (True, False):
+            here = [group for group in zip(self.kernels, plan.slots, self.compiled) if group[0].pairs != ()]
+            here = [group for group in here if group[0].translation_invariant is invariant]
+            if here:
+                found = self._gather(x, lam, here)
+                with self.clock("assembly"):
+                    if invariant:
+                        plan.complete(found)
+                    blocks = found if blocks is None else blocks + found
+        return np.zeros((self.dim, self.dim, plan.count)) if blocks is None else blocks
+
+    def _gather(self, x: Configuration, lam: float, group: list[tuple[Kernel, Index, bool]]) -> Array:
+        """Node blocks (dim, dim, blocks) of some kernels, without those that follow by translation invariance."""
         plan = self.plan
-        total: Array | None = None
-        gathered: Array | None = None
-        for kernel, slots, fast in zip(self.kernels, plan.slots, self.compiled):
-            if kernel.pairs == ():
-                continue
+        by_loops = np.zeros((plan.count if any(fast for _, _, fast in group) else 0, self.dim, self.dim))
+        total = np.zeros((self.dim, self.dim, 0 if all(fast for _, _, fast in group) else 2 * plan.count))
+        for kernel, slots, fast in group:
             if fast:
                 with self.clock(f"{kernel.name} (compiled)"):
-                    if gathered is None:
-                        gathered = np.zeros((plan.count, self.dim, self.dim))
-                    compiled.add_blocks(kernel, x, slots, gathered)
+                    compiled.add_blocks(kernel, x, slots, by_loops)
                 continue
             with self.clock(kernel.name):
                 hessian = kernel.evaluate(x, lam, 2).hessian
             assert hessian is not None
             with self.clock("assembly"):
-                if kernel.pairs is None:  # all k * k blocks given: the upper ones say it all
-                    first, second = np.triu_indices(kernel.conn.shape[1])
-                    hessian = hessian[:, first, second]
-                by_component = hessian.transpose(2, 3, 1, 0)
-                if total is None:
-                    total = np.zeros((self.dim, self.dim, 2 * plan.count))
-                for a in range(self.dim):
-                    for b in range(self.dim):
-                        total[a, b] += np.bincount(slots, by_component[a, b].ravel(), 2 * plan.count)
+                plan.add(total, kernel, slots, hessian)
         with self.clock("assembly"):
-            if total is None:
-                blocks = np.zeros((self.dim, self.dim, plan.count))
-            else:  # contributions whose first node has the higher number were collected apart, to be transposed here
-                blocks = total[:, :, : plan.count] + total[:, :, plan.count :].swapaxes(0, 1)
-            if gathered is not None:
-                blocks += gathered.transpose(1, 2, 0)
-        return blocks
+            blocks = by_loops.transpose(1, 2, 0) if len(by_loops) else plan.folded(total)
+            if len(by_loops) and total.size:
+                blocks = blocks + plan.folded(total)
+            return np.ascontiguousarray(blocks)
 
     def matrix(self, blocks: Array) -> Any:
         """Reduced stiffness matrix, scipy CSC (free, free), of assembled blocks."""
@@ -405,9 +412,11 @@ class System:
             if self._links is None:
                 self._links = plan.links(self.rest)
             low, high, distance = self._links
-            apart = change[high] - change[low]
-            turn = np.sqrt(np.einsum("na,na->n", apart, apart)) / distance
-            return float(turn.max(initial=0.0))
+            if any(self.compiled):
+                return compiled.largest_turn(change, low, high, distance)
+            columns = np.ascontiguousarray(change.T)
+            square = ((columns[:, high] - columns[:, low]) ** 2).sum(axis=0)
+            return float(np.sqrt((square / distance**2).max(initial=0.0)))
 
     # ---- history
 
@@ -425,10 +434,14 @@ class System:
 
     def linearize(self, u: Array | None, change: Array | None = None) -> None:
         """See :meth:`Kernel.linearize`; without arguments, back to the exact stress."""
-        x = self.rest if u is None else self.configuration(u)
-        for kernel in self.kernels:
-            with self.clock(kernel.name):
-                kernel.linearize(x, change)
+        x = self.configuration(self.rest * 0 if u is None else u)
+        for kernel, fast in zip(self.kernels, self.compiled):
+            if fast and change is not None:
+                with self.clock(f"{kernel.name} (compiled)"):
+                    compiled.linearize(kernel, x, change)
+            else:
+                with self.clock(kernel.name):
+                    kernel.linearize(x, change)
 
     @property
     def convexity(self) -> float:

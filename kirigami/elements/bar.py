@@ -129,7 +129,9 @@ class BarKernel(Kernel):
     """All bars of one strain measure and law; see the module's text for the formulas."""
 
     name = "bars"
-    pairs = ((0, 0), (0, 1), (1, 1))
+    pairs = ((0, 1),)
+    translation_invariant = True
+    measures_displacement = True
 
     def __init__(
         self,
@@ -143,7 +145,7 @@ class BarKernel(Kernel):
     ) -> None:
         self.rest, self.conn, self.EA, self.rest_length = rest, conn, EA, rest_length
         self.strain, self.law, self.members = strain, law, members
-        self._rest_vector = (rest[conn[:, 1]] - rest[conn[:, 0]]).T
+        self._rest_vector = self._between(rest)
         distance = np.sqrt((self._rest_vector**2).sum(axis=0))
         self._rest_strain = (distance - rest_length) * (distance + rest_length) / (2 * rest_length**2)
         self._stress_ahead: Array | None = None
@@ -153,11 +155,17 @@ class BarKernel(Kernel):
 
     def _vectors(self, x: Array) -> tuple[Array, Array, Array]:
         """Current vector (dim, n), Green strain (n,) and length (n,)."""
-        u = displacement_of(x, self.rest)
-        change = (u[self.conn[:, 1]] - u[self.conn[:, 0]]).T
+        change = self._between(displacement_of(x, self.rest))
         vector = self._rest_vector + change
-        green = self._rest_strain + ((self._rest_vector + 0.5 * change) * change).sum(axis=0) / self.rest_length**2
+        change *= self._rest_vector + 0.5 * change
+        green = self._rest_strain + change.sum(axis=0) / self.rest_length**2
         return vector, green, np.sqrt((vector**2).sum(axis=0))
+
+    def _between(self, field: Array) -> Array:
+        """Difference (dim, n) of a field (n_nodes, dim) between the ends."""
+        # Members last in memory, so that every operation runs through it.
+        difference: Array = np.ascontiguousarray((field[self.conn[:, 1]] - field[self.conn[:, 0]]).T)
+        return difference
 
     def _law(self, strain: Array) -> tuple[Array, Array, Array]:
         """Energy density over EA, stress over EA and its derivative, each (n,)."""
@@ -182,7 +190,10 @@ class BarKernel(Kernel):
     def deformation_rate(self, x: Array, change: Array) -> Array:
         """First-order change of the strain (n,) for a displacement change (n_nodes, dim)."""
         vector, _, length = self._vectors(x)
-        stretching: Array = (vector.T * (change[self.conn[:, 1]] - change[self.conn[:, 0]])).sum(axis=1)
+        return self._rate(vector, length, change)
+
+    def _rate(self, vector: Array, length: Array, change: Array) -> Array:
+        stretching: Array = (vector * self._between(change)).sum(axis=0)
         return stretching / (self.rest_length * (self.rest_length if self.strain == "green" else length))
 
     def force(self, strain: Array) -> Array:
@@ -196,9 +207,9 @@ class BarKernel(Kernel):
         if change is None:
             self._stress_ahead = None
             return
-        strain = self.deformation(x)
-        _, stress, tangent = self._law(strain)
-        self._stress_ahead = stress + tangent * self.deformation_rate(x, change)
+        vector, green, length = self._vectors(x)
+        _, stress, tangent = self._law(self._strain(green, length))
+        self._stress_ahead = stress + tangent * self._rate(vector, length, change)
 
     def evaluate(self, x: Array, lam: float = 1.0, need: int = 2) -> Contribution:
         vector, green, length = self._vectors(x)
@@ -223,10 +234,8 @@ class BarKernel(Kernel):
         along = self.EA * tangent / (L * base**2)
         if self.strain == "engineering":  # the direction of the pull turns with the bar
             along = along - geometric / length**2
-        block = (along * vector)[:, None] * vector[None]
+        hessian = np.empty((dim, dim, 1, n))
+        np.multiply((-along * vector)[:, None], vector[None], out=hessian[:, :, 0])
         for axis in range(dim):
-            block[axis, axis] += geometric
-        hessian = np.empty((dim, dim, 3, n))
-        hessian[:, :, 0] = hessian[:, :, 2] = block
-        np.negative(block, out=hessian[:, :, 1])
+            hessian[axis, axis] -= geometric
         return Contribution(energy, gradient.transpose(2, 1, 0), hessian.transpose(3, 2, 0, 1))

@@ -34,6 +34,7 @@ from kirigami.kernel import Array, Contribution, Kernel, displacement_of
 from kirigami.model import ModelObject, Node, Numbering, require_finite, require_positive
 
 COLLINEAR = 1e-10  # a wing lower than this fraction of its edge has no direction
+AT_ONCE = 8_000  # hinges whose second derivatives are worked out together, to spare memory and the processor's cache
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -112,18 +113,24 @@ class BendHinge(ModelObject):
 
 def _wing_vectors(points: Array, conn: NDArray[np.int64]) -> tuple[Array, Array, Array]:
     """Edge e and wing vectors a, b, each (3, n)."""
-    i, j, k, l = conn.T
-    origin = points[j]
-    return (points[k] - origin).T, (points[i] - origin).T, (points[l] - origin).T
+    # Members last in memory, so that every operation runs through it.
+    i, j, k, l = (np.ascontiguousarray(points[corner].T) for corner in np.ascontiguousarray(conn.T))
+    return k - j, i - j, l - j
 
 
 def _dot(a: Array, b: Array) -> Array:
-    product: Array = a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+    product: Array = a[0] * b[0]
+    product += a[1] * b[1]
+    product += a[2] * b[2]
     return product
 
 
 def _cross(a: Array, b: Array) -> Array:
-    return np.stack([a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]])
+    product = np.empty_like(a)
+    for axis, (one, other) in enumerate(((1, 2), (2, 0), (0, 1))):
+        np.multiply(a[one], b[other], out=product[axis])
+        product[axis] -= a[other] * b[one]
+    return product
 
 
 def _wing(edge: Array, wing: Array) -> tuple[Array, Array, Array]:
@@ -132,14 +139,16 @@ def _wing(edge: Array, wing: Array) -> tuple[Array, Array, Array]:
     off = wing - beta * edge
     height = np.sqrt(_dot(off, off))
     with np.errstate(divide="ignore", invalid="ignore"):
-        return height, beta, off / height
+        off /= height
+    return height, beta, off
 
 
 class BendHingeKernel(AngleKernel):
     """All bending hinges; see the module's text for the formulas. Local nodes: i, j, k, l."""
 
     name = "hinges"
-    pairs = ((0, 0), (0, 1), (0, 2), (0, 3), (1, 1), (1, 2), (1, 3), (2, 2), (2, 3), (3, 3))
+    pairs = ((0, 1), (0, 2), (0, 3), (1, 2), (1, 3), (2, 3))
+    translation_invariant = True
 
     def __init__(
         self,
@@ -154,9 +163,12 @@ class BendHingeKernel(AngleKernel):
         self._begin(self.raw_angle(*self._rest_vectors), rest_angle)
 
     def vectors(self, x: Array) -> tuple[Array, Array, Array]:
-        u = displacement_of(x, self.rest)
-        e, a, b = _wing_vectors(u, self.conn)
-        return self._rest_vectors[0] + e, self._rest_vectors[1] + a, self._rest_vectors[2] + b
+        """Current edge and wing vectors, each (3, n)."""
+        edge, wing_i, wing_l = _wing_vectors(displacement_of(x, self.rest), self.conn)
+        edge += self._rest_vectors[0]
+        wing_i += self._rest_vectors[1]
+        wing_l += self._rest_vectors[2]
+        return edge, wing_i, wing_l
 
     @staticmethod
     def raw_angle(edge: Array, wing_i: Array, wing_l: Array) -> Array:
@@ -176,63 +188,79 @@ class BendHingeKernel(AngleKernel):
 
     @staticmethod
     def first_derivatives(edge: Array, wing_i: Array, wing_l: Array) -> tuple[list[tuple[Array, ...]], Array]:
-        """Per wing (h, beta, t, n, inverse length), and the gradient of the angle, shape (3, 4, n)."""
-        inverse_length = 1 / np.sqrt(_dot(edge, edge))
-        unit = edge * inverse_length
+        """Per wing (h, beta, t, n), and the gradient of the angle, shape (3, 4, n)."""
+        unit = edge / np.sqrt(_dot(edge, edge))
         wings: list[tuple[Array, ...]] = []
-        gradient = np.zeros((3, 4, edge.shape[1]))
-        for wing, node, side in ((wing_i, 0, 1.0), (wing_l, 3, -1.0)):
+        gradient = np.empty((3, 4, edge.shape[1]))
+        for wing, node in ((wing_i, 0), (wing_l, 3)):
             height, beta, t = _wing(edge, wing)
-            n = _cross(unit, t) * side
-            g = n / height
-            gradient[:, node] = g
-            gradient[:, 1] += (beta - 1) * g
-            gradient[:, 2] -= beta * g
+            n = _cross(unit, t) if node == 0 else _cross(t, unit)
+            np.divide(n, height, out=gradient[:, node])
             wings.append((height, beta, t, n))
+        (_, beta, _, _), (_, other, _, _) = wings
+        np.multiply(-beta, gradient[:, 0], out=gradient[:, 2])
+        gradient[:, 2] -= other * gradient[:, 3]
+        np.add(gradient[:, 0], gradient[:, 2], out=gradient[:, 1])  # shifting all four turns nothing
+        gradient[:, 1] += gradient[:, 3]
+        np.negative(gradient[:, 1], out=gradient[:, 1])
         return wings, gradient
 
     def evaluate(self, x: Array, lam: float = 1.0, need: int = 2) -> Contribution:
-        edge, wing_i, wing_l = self.vectors(x)
-        excess = self.unwrap(self.raw_angle(edge, wing_i, wing_l)) - self.rest_angle
+        vectors = self.vectors(x)
+        excess = self.unwrap(self.raw_angle(*vectors)) - self.rest_angle
         moment = self.stiffness * excess
         energy = 0.5 * moment * excess
         if need == 0:
             return Contribution(energy)
-        wings, angle_gradient = self.first_derivatives(edge, wing_i, wing_l)
-        gradient = moment * angle_gradient
+        wings, angle_gradient = self.first_derivatives(*vectors)
+        gradient = (moment * angle_gradient).transpose(2, 1, 0)
         if need == 1:
-            return Contribution(energy, gradient.transpose(2, 1, 0))
+            return Contribution(energy, gradient)
+        hessian = np.empty((3, 3, len(self.pairs), len(energy)))
         moment = (1 - self.convexity) * moment
-        # Material part k g g', then the moment times the second derivatives, wing by wing.
-        hessian = np.empty((3, 3, len(self.pairs), edge.shape[1]))
-        stiff = self.stiffness * angle_gradient
-        for slot, (p, q) in enumerate(self.pairs):
-            np.multiply(stiff[:, None, p], angle_gradient[None, :, q], out=hessian[:, :, slot])
-        self.add_second_derivatives(hessian, moment, edge, wings)
-        return Contribution(energy, gradient.transpose(2, 1, 0), hessian.transpose(3, 2, 0, 1))
+        for start in range(0, len(energy), AT_ONCE):
+            some = slice(start, start + AT_ONCE)
+            self.second_derivatives(
+                hessian[..., some],
+                self.stiffness[some],
+                moment[some],
+                vectors[0][:, some],
+                [tuple(part[..., some] for part in wing) for wing in wings],
+                angle_gradient[..., some],
+            )
+        return Contribution(energy, gradient, hessian.transpose(3, 2, 0, 1))
 
-    @classmethod
-    def add_second_derivatives(cls, hessian: Array, moment: Array, edge: Array, wings: list[tuple[Array, ...]]) -> None:
-        """Add `moment` (n,) times the second derivatives of the angle to blocks (3, 3, pairs, n)."""
-        slot_of = {pair: slot for slot, pair in enumerate(cls.pairs)}
-        inverse_length = 1 / np.sqrt(_dot(edge, edge))
-        unit = edge * inverse_length
-        for (height, beta, t, n), node in zip(wings, (0, 3)):
-            turn = n[:, None] * t[None]
-            turn = (turn + turn.swapaxes(0, 1)) * (moment / height**2)  # (n t' + t n') M / h^2
-            skew = unit[:, None] * (n * (moment * inverse_length / height))[None]  # u n' M / (h |e|)
-            skew_turned = skew.swapaxes(0, 1)
-            stretch = turn * (0.5 * (height * inverse_length) ** 2)  # (n t' + t n') M / (2 |e|^2)
-            c = {node: np.ones_like(beta), 2: -beta, 1: beta - 1}
-            d = {node: 0.0, 2: 1.0, 1: -1.0}
-            for p, q in ((node, node), (node, 1), (node, 2), (1, 1), (1, 2), (2, 2)):
-                target = hessian[:, :, slot_of[min(p, q), max(p, q)]]
-                if p > q:  # stored as the block (q, p)
-                    p, q = q, p
-                target -= (c[p] * c[q]) * turn
-                if d[q]:
-                    target -= (c[p] * d[q]) * skew
-                if d[p]:
-                    target -= (d[p] * c[q]) * skew_turned
-                if d[p] and d[q]:
-                    target -= (d[p] * d[q]) * stretch
+    @staticmethod
+    def second_derivatives(
+        hessian: Array, stiffness: Array, moment: Array, edge: Array, wings: list[tuple[Array, ...]], gradient: Array
+    ) -> None:
+        """Fill the blocks (3, 3, pairs, n): `stiffness` g g' plus `moment` (n,) times the second derivatives.
+
+        Each block that a wing contributes to is n y' + z n', with n its normal.
+        """
+        outer = np.empty((3, 3, len(moment)))
+        blocks = {pair: hessian[:, :, slot] for slot, pair in enumerate(BendHingeKernel.pairs)}
+
+        def add(block: Array, a: Array, b: Array) -> None:
+            np.multiply(a[:, None], b[None], out=outer)
+            block += outer
+
+        np.multiply((stiffness * gradient[:, 0])[:, None], gradient[None, :, 3], out=blocks[0, 3])
+        np.multiply((stiffness * gradient[:, 1])[:, None], gradient[None, :, 2], out=blocks[1, 2])
+        inverse_square = 1 / _dot(edge, edge)
+        for (height, beta, t, n), wing in zip(wings, (0, 3)):
+            share = stiffness / height
+            over = (moment / height**2) * t
+            skew = (moment * inverse_square / height) * edge  # M u / (h |e|)
+            for node, c, along in ((1, beta - 1, skew), (2, -beta, -skew)):
+                y, z = -c * over, along - c * over
+                y += share * gradient[:, node]
+                if wing == 0:
+                    np.multiply(n[:, None], y[None], out=blocks[0, node])
+                    add(blocks[0, node], z, n)
+                else:
+                    np.multiply(y[:, None], n[None], out=blocks[node, 3])
+                    add(blocks[node, 3], n, z)
+            common = (beta * (beta - 1) + 0.5 * height**2 * inverse_square) * over
+            add(blocks[1, 2], n, common - beta * skew)
+            add(blocks[1, 2], common - (beta - 1) * skew, n)

@@ -33,7 +33,7 @@ from kirigami.elements.triangle import (
     without_compression,
 )
 from kirigami.errors import ModelError
-from kirigami.kernel import Array, Contribution, Kernel, displacement_of
+from kirigami.kernel import Array, Contribution, Kernel, displacement_of, full_hessian
 from kirigami.model import Material, ModelObject, Node, Numbering, require_positive
 
 
@@ -265,14 +265,13 @@ class FacetKernel(Kernel):
             for p, q, sign in ((a, a, 1), (b, b, 1), (a, b, -1), (b, a, -1)):
                 hessian[:, p, q] += sign * block
         if self._hinges is not None:
-            curved = np.zeros((3, 3, len(self._hinges.pairs), f.size))
-            self._hinges.add_second_derivatives(curved, (1 - self.convexity) * moment[f, line], vectors[0], wings)
-            for slot, (p, q) in enumerate(self._hinges.pairs):
-                block = curved[:, :, slot].transpose(2, 0, 1)
-                for edge in range(3):  # a facet has one hinge on an edge, so no entry is hit twice
-                    on = line == edge
-                    first, second = self._places[on, p], self._places[on, q]
-                    hessian[f[on], first, second] += block[on]
-                    if p != q:
-                        hessian[f[on], second, first] += block[on].transpose(0, 2, 1)
+            curved = np.empty((3, 3, len(self._hinges.pairs), f.size))
+            bending = (1 - self.convexity) * moment[f, line]
+            self._hinges.second_derivatives(curved, np.zeros(f.size), bending, vectors[0], wings, turn)
+            found = Contribution(bending, turn.transpose(2, 1, 0), curved.transpose(3, 2, 0, 1))
+            blocks = full_hessian(self._hinges, found)
+            for edge in range(3):  # a facet has one hinge on an edge, so no entry is hit twice
+                on = line == edge
+                places = self._places[on]
+                hessian[f[on, None, None], places[:, :, None], places[:, None]] += blocks[on]
         return Contribution(energy, gradient, hessian)

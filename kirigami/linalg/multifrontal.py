@@ -32,6 +32,7 @@ from kirigami.linalg.checked import (
 )
 from kirigami.linalg.dissection import Fronts, Index, dissect
 from kirigami.linalg.superlu import SuperLUFactor
+from kirigami.linalg.threads import one_thread
 
 AMPLIFIED = 1e4  # displacements of a front per displacement of its border that are no lever any more
 
@@ -155,7 +156,7 @@ class MultifrontalFactor(CheckedFactor):
         self._negative = 0
         self._doubtful = False  # whether some front amplifies so much that its signs want a second look
         self._fronts: list[_Front] = []
-        with np.errstate(all="ignore"):
+        with np.errstate(all="ignore"), one_thread():
             self._factorize(plan)
 
     def _factorize(self, plan: FrontPlan) -> None:
