@@ -22,6 +22,13 @@ What was tried in the tuning of the descent, as factorisations of staggered slit
   the false stretch of a rotation, which the mixed stress forgives, so steps become short and more of them are needed;
 * the same with growth 4 and decay 3, one failed factorisation in three but far fewer iterations: 243.
 
+The last changes, as factorisations of the four tuning sheets at imperfection 1e-3 (221, 240, 115 and 191 before):
+
+* four chord steps at most instead of two: 220, 211, 114, 188; eight: 219, 208, 113, 186 (not worth the solutions);
+* all fading at once from 8 negative pivots on instead of 20: 221, 240, 113, 187; from 100 on: 221, 240, 115, 191;
+* both, now used: 220, 208, 112, 184;
+* decay 4 instead of 3: 232, 231, 139, 183; least fading 0.1 instead of 0.05: 254, 217, 105, 169.
+
 And on meshes 1.7 times as coarse, each against the settings now used (220):
 
 * increments that shrink with the drift, as for Newton's method: more than 400;

@@ -64,8 +64,8 @@ class Strategy:
     most: float = 1.0
     growth: float = 4.0
     decay: float = 3.0
-    many: int = 20
-    chords: int = 2
+    many: int = 8
+    chords: int = 4
     turn: float = 1.0
     cuts: int = 1
     least_growth: float = 0.9
