@@ -44,7 +44,7 @@ def main(names: list[str]) -> None:
     for name in names:
         start, start_cpu = time.perf_counter(), time.process_time()
         m = cellular_sheet(name)
-        res = kg.DisplacementControl(m).run(progress=True)
+        res = kg.DisplacementControl(m).run(progress=False)
         wall, cpu = time.perf_counter() - start, time.process_time() - start_cpu
         top = m.select(where=lambda x, y, z: y > 2.3)
         matrix = kg.System(m).stiffness()

@@ -26,10 +26,13 @@ The last changes, as factorisations of the four tuning sheets at imperfection 1e
 
 * four chord steps at most instead of two: 220, 211, 114, 188; eight: 219, 208, 113, 186 (not worth the solutions);
 * all fading at once from 8 negative pivots on instead of 20: 221, 240, 113, 187; from 100 on: 221, 240, 115, 191;
-* both, now used: 220, 208, 112, 184;
+* both: 220, 208, 112, 184, and one less each since the factor of the state at rest is used twice;
+* four chord steps, and all fading from 5 negative pivots on, now used: 212, 212, 110, 183;
+* growth 5: 216, 204, 122, 189; increments twice as long after a snap: 206, 227, 146, 142; never shorter: 235, 220, 111,
+  161; predictions cut at turns of 0.7 instead of 1: 219, 228, 108, 171;
 * decay 4 instead of 3: 232, 231, 139, 183; least fading 0.1 instead of 0.05: 254, 217, 105, 169.
 
-And on meshes 1.7 times as coarse, each against the settings now used (220):
+And on meshes 1.7 times as coarse, each against the settings of that time (220):
 
 * increments that shrink with the drift, as for Newton's method: more than 400;
 * no chord steps with the old factor: 299;

@@ -139,7 +139,7 @@ def mesh_of(outline: shapely.Polygon, cuts: list[Any], fewest: int, most: int, t
     return mesh
 
 
-def stretch(seed: int, small: bool) -> dict[str, Any]:
+def stretch(seed: int, small: bool, corrector: str = "newton") -> dict[str, Any]:
     """Mesh and stretch the sheet of a seed; a row of the table."""
     outline, cuts, random = drawing(seed, small)
     clamped = bool(seed // len(KINDS) % 2)
@@ -162,7 +162,7 @@ def stretch(seed: int, small: bool) -> dict[str, Any]:
         bottom, top = m.select(boundary="bottom"), m.select(boundary="top")
         m.add(kg.Fix(bottom, clamp=clamped), kg.Fix(top, "xz"))
         m.add(kg.Prescribe(top, y=STRETCH * float(np.ptp(y)), clamp=clamped))
-        analysis = kg.DisplacementControl(m, tol=TOLERANCE)
+        analysis = kg.DisplacementControl(m, tol=TOLERANCE, corrector=corrector)
         try:
             results = analysis.run()
             row["outcome"] = "reached" if results.lam[-1] == 1.0 else "stopped short"
@@ -312,7 +312,7 @@ def work() -> None:
         seed, limit = request["seed"], request["limit"]
         _limit_processor_time(limit)
         try:
-            row = stretch(seed, request["small"])
+            row = stretch(seed, request["small"], request["corrector"])
         except Exception as error:
             row = {"outcome": "crash", "error": type(error).__name__, "message": str(error)}
         print(json.dumps(row), flush=True)
@@ -331,7 +331,8 @@ def _limit_processor_time(seconds: float) -> None:
 class Worker:
     """A process that stretches one sheet after another, replaced when it dies."""
 
-    def __init__(self) -> None:
+    def __init__(self, corrector: str) -> None:
+        self.corrector = corrector
         self.process: subprocess.Popen[str] | None = None
 
     def ask(self, seed: int, small: bool, limit: float) -> dict[str, Any]:
@@ -348,7 +349,8 @@ class Worker:
         # Sleeping without end would not use up processor time.
         late = threading.Timer(20 * limit, process.kill)
         late.start()
-        process.stdin.write(json.dumps({"seed": seed, "small": small, "limit": limit}) + "\n")
+        request = {"seed": seed, "small": small, "limit": limit, "corrector": self.corrector}
+        process.stdin.write(json.dumps(request) + "\n")
         process.stdin.flush()
         answer = process.stdout.readline()
         late.cancel()
@@ -372,7 +374,8 @@ class Worker:
 
 
 def survey(
-    seeds: list[int], table: Path | None, workers: int, small: bool, limit: float, seconds: float
+    seeds: list[int], table: Path | None, workers: int, small: bool, limit: float, seconds: float,
+    corrector: str = "newton",
 ) -> list[dict[str, Any]]:
     """Rows of all seeds; each is appended to the table at once. No sheet is begun after so many seconds."""
     rows: list[dict[str, Any]] = []
@@ -381,7 +384,7 @@ def survey(
     stop = time.monotonic() + seconds
 
     def serve() -> None:
-        with contextlib.closing(Worker()) as worker:
+        with contextlib.closing(Worker(corrector)) as worker:
             while time.monotonic() < stop:
                 with lock:
                     if not waiting:
@@ -437,6 +440,7 @@ def main() -> int:
     parser.add_argument("--workers", type=int, default=2, help="processes at a time")
     parser.add_argument("--limit", type=float, default=300.0, help="seconds of processor time allowed for one sheet")
     parser.add_argument("--seconds", type=float, default=np.inf, help="begin no sheet after this time")
+    parser.add_argument("--corrector", default="newton", help="newton, the default of the package, descent or viscous")
     parser.add_argument("--small", action="store_true", help="at most five cuts, and 50 to 150 nodes where they allow")
     parser.add_argument("--work", action="store_true", help=argparse.SUPPRESS)
     arguments = parser.parse_args()
@@ -453,7 +457,10 @@ def main() -> int:
             arguments.table.write_text(",".join(COLUMNS) + "\n", encoding="utf-8")
     known = {int(row["seed"]) for row in before}
     todo = [seed for seed in seeds if seed not in known]
-    rows = survey(todo, arguments.table, arguments.workers, arguments.small, arguments.limit, arguments.seconds)
+    rows = survey(
+        todo, arguments.table, arguments.workers, arguments.small, arguments.limit, arguments.seconds,
+        arguments.corrector,
+    )  # fmt: skip
     print(summary(before + rows))
     return 0 if all(map(as_expected, before + rows)) else 1
 

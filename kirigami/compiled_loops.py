@@ -77,113 +77,120 @@ def bar_blocks(  # type: ignore[no-untyped-def]
 
 
 @compiled
-def hinge_state(  # type: ignore[no-untyped-def]
-    m, conn, u, rest_edge, rest_i, rest_l, rest_angle, committed, edge, wings, beta, height, t, n, grad
-):
-    """Excess of the angle of hinge m over its rest value; fills the geometry of its wings and the gradient."""
-    j, k = conn[m, 1], conn[m, 2]
-    for axis in range(3):
-        edge[axis] = rest_edge[axis, m] + (u[k, axis] - u[j, axis])
-        wings[0, axis] = rest_i[axis, m] + (u[conn[m, 0], axis] - u[j, axis])
-        wings[1, axis] = rest_l[axis, m] + (u[conn[m, 3], axis] - u[j, axis])
-    e0, e1, e2 = edge[0], edge[1], edge[2]
-    a0, a1, a2 = wings[0, 0], wings[0, 1], wings[0, 2]
-    b0, b1, b2 = wings[1, 0], wings[1, 1], wings[1, 2]
-    square = e0 * e0 + e1 * e1 + e2 * e2
+def wing(e, square, length, w, side):  # type: ignore[no-untyped-def]
+    """Foot fraction, inverse height, in-facet unit vector and normal of a wing vector w over an edge e."""
+    beta = (e[0] * w[0] + e[1] * w[1] + e[2] * w[2]) / square
+    t0, t1, t2 = w[0] - beta * e[0], w[1] - beta * e[1], w[2] - beta * e[2]
+    inverse = 1.0 / math.sqrt(t0 * t0 + t1 * t1 + t2 * t2)
+    t0, t1, t2 = t0 * inverse, t1 * inverse, t2 * inverse
+    scale = side / length
+    n0, n1, n2 = e[1] * t2 - e[2] * t1, e[2] * t0 - e[0] * t2, e[0] * t1 - e[1] * t0
+    return beta, inverse, (t0, t1, t2), (scale * n0, scale * n1, scale * n2)
+
+
+@compiled
+def current(m, i, j, u, rest):  # type: ignore[no-untyped-def]
+    """Current vector from node j to node i, whose rest vector is column m of `rest`."""
+    return rest[0, m] + (u[i, 0] - u[j, 0]), rest[1, m] + (u[i, 1] - u[j, 1]), rest[2, m] + (u[i, 2] - u[j, 2])
+
+
+@compiled
+def hinge_state(m, conn, u, rest_edge, rest_i, rest_l, rest_angle, committed):  # type: ignore[no-untyped-def]
+    """Excess of the angle of hinge m over its rest value, its edge and the square of that, and both its wings."""
+    j = conn[m, 1]
+    e = current(m, conn[m, 2], j, u, rest_edge)
+    a = current(m, conn[m, 0], j, u, rest_i)
+    b = current(m, conn[m, 3], j, u, rest_l)
+    square = e[0] * e[0] + e[1] * e[1] + e[2] * e[2]
     length = math.sqrt(square)
-    m0, m1, m2 = e1 * a2 - e2 * a1, e2 * a0 - e0 * a2, e0 * a1 - e1 * a0
-    n0, n1, n2 = b1 * e2 - b2 * e1, b2 * e0 - b0 * e2, b0 * e1 - b1 * e0
-    angle = math.atan2(length * (m0 * b0 + m1 * b1 + m2 * b2), m0 * n0 + m1 * n1 + m2 * n2)
+    m0, m1, m2 = e[1] * a[2] - e[2] * a[1], e[2] * a[0] - e[0] * a[2], e[0] * a[1] - e[1] * a[0]
+    n0, n1, n2 = b[1] * e[2] - b[2] * e[1], b[2] * e[0] - b[0] * e[2], b[0] * e[1] - b[1] * e[0]
+    angle = math.atan2(length * (m0 * b[0] + m1 * b[1] + m2 * b[2]), m0 * n0 + m1 * n1 + m2 * n2)
     angle += 2 * math.pi * np.rint((committed[m] - angle) / (2 * math.pi))
-    grad[:] = 0.0
-    for w in range(2):
-        beta[w] = (e0 * wings[w, 0] + e1 * wings[w, 1] + e2 * wings[w, 2]) / square
-        for axis in range(3):
-            t[w, axis] = wings[w, axis] - beta[w] * edge[axis]
-        height[w] = math.sqrt(t[w, 0] ** 2 + t[w, 1] ** 2 + t[w, 2] ** 2)
-        for axis in range(3):
-            t[w, axis] /= height[w]
-        side = (1.0 - 2.0 * w) / length
-        n[w, 0] = side * (e1 * t[w, 2] - e2 * t[w, 1])
-        n[w, 1] = side * (e2 * t[w, 0] - e0 * t[w, 2])
-        n[w, 2] = side * (e0 * t[w, 1] - e1 * t[w, 0])
-        for axis in range(3):
-            g = n[w, axis] / height[w]
-            grad[3 * w, axis] = g
-            grad[1, axis] += (beta[w] - 1.0) * g
-            grad[2, axis] -= beta[w] * g
-    return angle - rest_angle[m]
+    first, second = wing(e, square, length, a, 1.0), wing(e, square, length, b, -1.0)
+    return angle - rest_angle[m], e, square, first, second
+
+
+@compiled
+def scaled(c, v):  # type: ignore[no-untyped-def]
+    return c * v[0], c * v[1], c * v[2]
+
+
+@compiled
+def mixed(c, v, d, w):  # type: ignore[no-untyped-def]
+    return c * v[0] + d * w[0], c * v[1] + d * w[1], c * v[2] + d * w[2]
+
+
+@compiled
+def push(total, node, scale, v):  # type: ignore[no-untyped-def]
+    """Add `scale` v to a row; returns the square of its length."""
+    f0, f1, f2 = scale * v[0], scale * v[1], scale * v[2]
+    total[node, 0] += f0
+    total[node, 1] += f1
+    total[node, 2] += f2
+    return f0 * f0 + f1 * f1 + f2 * f2
 
 
 @compiled
 def hinge_forces(  # type: ignore[no-untyped-def]
     conn, u, rest_edge, rest_i, rest_l, stiffness, rest_angle, committed, total
 ):
-    edge, wings, beta, height = np.empty(3), np.empty((2, 3)), np.empty(2), np.empty(2)
-    t, n, grad = np.empty((2, 3)), np.empty((2, 3)), np.empty((4, 3))
     squares = 0.0
     for m in range(len(conn)):
-        excess = hinge_state(
-            m, conn, u, rest_edge, rest_i, rest_l, rest_angle, committed, edge, wings, beta, height, t, n, grad
-        )
+        excess, _, _, first, second = hinge_state(m, conn, u, rest_edge, rest_i, rest_l, rest_angle, committed)
+        beta, inverse, _, n = first
+        other, other_inverse, _, other_n = second
+        g, h = scaled(inverse, n), scaled(other_inverse, other_n)
         moment = stiffness[m] * excess
-        for p in range(4):
-            for axis in range(3):
-                force = moment * grad[p, axis]
-                squares += force * force
-                total[conn[m, p], axis] += force
+        squares += push(total, conn[m, 0], moment, g)
+        squares += push(total, conn[m, 1], moment, mixed(beta - 1.0, g, other - 1.0, h))
+        squares += push(total, conn[m, 2], moment, mixed(-beta, g, -other, h))
+        squares += push(total, conn[m, 3], moment, h)
     return squares
+
+
+@compiled
+def add_pair(blocks, slot, n, y, z):  # type: ignore[no-untyped-def]
+    """Add n y' + z n' to the block of a slot, or its transpose to that of a slot counted from the end on."""
+    if slot >= len(blocks):
+        slot, y, z = slot - len(blocks), z, y
+    for a in range(3):
+        for b in range(3):
+            blocks[slot, a, b] += n[a] * y[b] + z[a] * n[b]
 
 
 @compiled
 def hinge_blocks(  # type: ignore[no-untyped-def]
     conn, u, rest_edge, rest_i, rest_l, stiffness, rest_angle, committed, convexity, slots, blocks
 ):
-    edge, wings, beta, height = np.empty(3), np.empty((2, 3)), np.empty(2), np.empty(2)
-    t, n, grad, h = np.empty((2, 3)), np.empty((2, 3)), np.empty((4, 3)), np.empty((6, 3, 3))
-    count, members = len(blocks), len(conn)
+    """Each block is made of terms n y' + z n'; see BendHingeKernel.second_derivatives."""
+    members, none = len(conn), (0.0, 0.0, 0.0)
     for m in range(members):
-        excess = hinge_state(
-            m, conn, u, rest_edge, rest_i, rest_l, rest_angle, committed, edge, wings, beta, height, t, n, grad
+        excess, e, square, first, second = hinge_state(
+            m, conn, u, rest_edge, rest_i, rest_l, rest_angle, committed
         )
-        moment = (1.0 - convexity) * stiffness[m] * excess
-        inverse_square = 1.0 / (edge[0] ** 2 + edge[1] ** 2 + edge[2] ** 2)
-        for a in range(3):
-            for b in range(3):
-                h[2, a, b] = stiffness[m] * grad[0, a] * grad[3, b]
-                h[3, a, b] = stiffness[m] * grad[1, a] * grad[2, b]
-        for w in range(2):
-            share, by_square = stiffness[m] / height[w], moment / height[w] ** 2
-            by_length = moment * inverse_square / height[w]
-            common = beta[w] * (beta[w] - 1.0) + 0.5 * height[w] ** 2 * inverse_square
-            for a in range(3):
-                for b in range(3):
-                    # Each block is n y' + z n'; see BendHingeKernel.second_derivatives. First (a, b), then (b, a).
-                    over, over_b = by_square * t[w, a], by_square * t[w, b]
-                    skew, skew_b = by_length * edge[a], by_length * edge[b]
-                    na, nb = n[w, a], n[w, b]
-                    h[3, a, b] += na * (common * over_b - beta[w] * skew_b)
-                    h[3, a, b] += (common * over - (beta[w] - 1.0) * skew) * nb
-                    if w == 0:
-                        h[0, a, b] = na * ((1.0 - beta[w]) * over_b + share * grad[1, b])
-                        h[0, a, b] += ((1.0 - beta[w]) * over + skew) * nb
-                        h[1, a, b] = na * (beta[w] * over_b + share * grad[2, b])
-                        h[1, a, b] += (beta[w] * over - skew) * nb
-                    else:
-                        h[4, a, b] = ((1.0 - beta[w]) * over + share * grad[1, a]) * nb
-                        h[4, a, b] += na * ((1.0 - beta[w]) * over_b + skew_b)
-                        h[5, a, b] = (beta[w] * over + share * grad[2, a]) * nb
-                        h[5, a, b] += na * (beta[w] * over_b - skew_b)
-        for pair in range(6):
-            slot = slots[pair * members + m]
-            if slot < count:
-                for a in range(3):
-                    for b in range(3):
-                        blocks[slot, a, b] += h[pair, a, b]
-            else:
-                for a in range(3):
-                    for b in range(3):
-                        blocks[slot - count, b, a] += h[pair, a, b]
+        k = stiffness[m]
+        moment = (1.0 - convexity) * k * excess
+        beta, inverse, _, n = first
+        other, other_inverse, _, other_n = second
+        g, h = scaled(inverse, n), scaled(other_inverse, other_n)
+        gj, gk = mixed(beta - 1.0, g, other - 1.0, h), mixed(-beta, g, -other, h)
+        add_pair(blocks, slots[2 * members + m], scaled(k, g), h, none)
+        middle = slots[3 * members + m]
+        add_pair(blocks, middle, scaled(k, gj), gk, none)
+        for last in range(2):
+            beta, inverse, t, n = second if last else first
+            share, over, skew = k * inverse, scaled(moment * inverse**2, t), scaled(moment * inverse / square, e)
+            y, z = mixed(1.0 - beta, over, share, gj), mixed(1.0 - beta, over, 1.0, skew)
+            if last:
+                y, z = z, y
+            add_pair(blocks, slots[4 * last * members + m], n, y, z)
+            y, z = mixed(beta, over, share, gk), mixed(beta, over, -1.0, skew)
+            if last:
+                y, z = z, y
+            add_pair(blocks, slots[(4 * last + 1) * members + m], n, y, z)
+            common = beta * (beta - 1.0) + 0.5 / (square * inverse**2)
+            add_pair(blocks, middle, n, mixed(common, over, -beta, skew), mixed(common, over, 1.0 - beta, skew))
 
 
 @compiled

@@ -214,7 +214,8 @@ class System:
                 lengths.append(np.linalg.norm(corner[:, 1] - corner[:, 0], axis=1))
         self.length = float(np.median(np.concatenate(lengths))) if lengths else self.size
         norms, shrink = np.concatenate(stiffness), np.concatenate(shrinks)
-        self._noises = [ROUNDING * self.length * float(np.linalg.norm(norms[part])) for part in (np.logical_not(shrink), shrink)]
+        parts = norms[np.logical_not(shrink)], norms[shrink]
+        self._noises = [ROUNDING * self.length * float(np.linalg.norm(part)) for part in parts]
         self.noise = math.hypot(*self._noises)
         norms = norms[norms > 0] if norms.any() else norms  # what is not in touch at rest says nothing
         self.stiffness_scale = float(np.median(norms))

@@ -64,7 +64,7 @@ class Strategy:
     most: float = 1.0
     growth: float = 4.0
     decay: float = 3.0
-    many: int = 8
+    many: int = 5
     chords: int = 4
     turn: float = 1.0
     cuts: int = 1

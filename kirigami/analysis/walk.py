@@ -301,8 +301,10 @@ class PathAnalysis(Analysis):
         system = self.system
         stay = LoadFactorControl()
         stay.begin(state, 0.0)
-        self._first_factor(system, self.found, state.u, state.lam)
+        tangent_there = self._first_factor(system, self.found, state.u, state.lam)
         attempt = self.correct(stay, state)
+        if attempt.iterations == 0:
+            attempt.stiffness = tangent_there
         if not attempt.converged:
             strategy = CORRECTORS[self.corrector]
             attempt = descend(system, self._new_factor, state, self.tol, MAX_RELAXATION, strategy, self._count)
