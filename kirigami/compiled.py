@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from kirigami.assembly import Index
+from kirigami.assembly import BlockPlan, Index
 from kirigami.kernel import Array, Configuration, Kernel
 
 if TYPE_CHECKING:
@@ -60,6 +60,13 @@ def add_blocks(kernel: Any, x: Configuration, slots: Index, blocks: Array) -> No
         compiled_loops.bar_blocks(*_bar(kernel, x), stress, kernel.convexity, slots, blocks)
     else:
         compiled_loops.hinge_blocks(*_hinge(kernel, x), kernel.convexity, slots, blocks)
+
+
+def complete(plan: BlockPlan, blocks: Array) -> None:
+    """See :meth:`BlockPlan.complete`, for node blocks (blocks, 3, 3)."""
+    from kirigami import compiled_loops
+
+    compiled_loops.complete(plan.low, plan.high, plan.own, blocks)
 
 
 def linearize(kernel: Any, x: Configuration, change: Array) -> None:

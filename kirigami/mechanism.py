@@ -67,13 +67,16 @@ def free_rigid_motions(system: System) -> tuple[str, list[int], str] | None:
         allowed = np.zeros_like(full)
         moving = system.unknown >= 0
         allowed[:, moving] = full[:, system.leader[moving]]
-        _, sizes, basis = np.linalg.svd(motions, full_matrices=False)
+        # Tall matrices are reduced to square ones first, which have the same singular values and cost nothing.
+        tall, square = np.linalg.qr(motions.T)
+        _, sizes, basis = np.linalg.svd(square.T)
+        basis = basis @ tall.T
         rank = int(np.sum(sizes > 1e-9 * sizes[0])) if sizes[0] > 0 else 0
         # Coordinates in an orthonormal basis of the part's true motions (a straight chain has no spin of its own).
         coordinates = motions @ basis[:rank].T
-        violation = np.linalg.lstsq(coordinates, (full - allowed)[:, at], rcond=None)[0]
+        violation = np.linalg.pinv(coordinates) @ (full - allowed)[:, at]
         rows = [violation.T, _resistance(system, basis[:rank], at)]
-        _, held, directions = np.linalg.svd(np.concatenate(rows), full_matrices=False)
+        _, held, directions = np.linalg.svd(np.linalg.qr(np.concatenate(rows), mode="r"))
         free = directions[held <= 1e-9]
         if not len(free):
             continue

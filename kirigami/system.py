@@ -339,22 +339,22 @@ class System:
     def stiffness_blocks(self, u: Array, lam: float) -> Array:
         """Node blocks (dim, dim, blocks) of the Hessian of the potential."""
         x = self.configuration(u)
-        plan, blocks = self.plan, None
+        blocks: Array | None = None
         for invariant in (True, False):
-            here = [group for group in zip(self.kernels, plan.slots, self.compiled) if group[0].pairs != ()]
+            here = [group for group in zip(self.kernels, self.plan.slots, self.compiled) if group[0].pairs != ()]
             here = [group for group in here if group[0].translation_invariant is invariant]
             if here:
-                found = self._gather(x, lam, here)
-                with self.clock("assembly"):
-                    if invariant:
-                        plan.complete(found)
-                    blocks = found if blocks is None else blocks + found
-        return np.zeros((self.dim, self.dim, plan.count)) if blocks is None else blocks
+                found = self._gather(x, lam, here, invariant)
+                blocks = found if blocks is None else blocks + found
+        return np.zeros((self.dim, self.dim, self.plan.count)) if blocks is None else blocks
 
-    def _gather(self, x: Configuration, lam: float, group: list[tuple[Kernel, Index, bool]]) -> Array:
-        """Node blocks (dim, dim, blocks) of some kernels, without those that follow by translation invariance."""
+    def _gather(
+        self, x: Configuration, lam: float, group: list[tuple[Kernel, Index, bool]], invariant: bool
+    ) -> Array:
+        """Node blocks (dim, dim, blocks) of kernels that are all translation invariant, or all not."""
         plan = self.plan
-        by_loops = np.zeros((plan.count if any(fast for _, _, fast in group) else 0, self.dim, self.dim))
+        looped = any(fast for _, _, fast in group)
+        by_loops = np.zeros((plan.count if looped else 0, self.dim, self.dim))
         total = np.zeros((self.dim, self.dim, 0 if all(fast for _, _, fast in group) else 2 * plan.count))
         for kernel, slots, fast in group:
             if fast:
@@ -367,10 +367,15 @@ class System:
             with self.clock("assembly"):
                 plan.add(total, kernel, slots, hessian)
         with self.clock("assembly"):
-            blocks = by_loops.transpose(1, 2, 0) if len(by_loops) else plan.folded(total)
-            if len(by_loops) and total.size:
-                blocks = blocks + plan.folded(total)
-            return np.ascontiguousarray(blocks)
+            if invariant and looped:
+                compiled.complete(plan, by_loops)
+            blocks = np.ascontiguousarray(by_loops.transpose(1, 2, 0)) if looped else np.zeros(())
+            if total.size:
+                folded = plan.folded(total)
+                if invariant:
+                    plan.complete(folded)
+                blocks = blocks + folded if looped else folded
+        return blocks
 
     def matrix(self, blocks: Array) -> Any:
         """Reduced stiffness matrix, scipy CSC (free, free), of assembled blocks."""

@@ -100,11 +100,14 @@ def _energy_set_free(path: Walker, before: Point, after: Point) -> tuple[float, 
     There the potential changes by the work of the drive, which the trapezoidal rule knows up to the change of force.
     """
     system = path.system
-    energy, rate = [], []
     for point in (before, after):
-        system.history = point.history
-        energy.append(sum(system.energies(point.state.u, point.state.lam).values()))
-        rate.append(system.potential_rate(point.state.u, point.state.lam))
+        if point.potential is None:
+            state, system.history = point.state, point.history
+            value = sum(system.energies(state.u, state.lam).values())
+            point.potential = value, system.potential_rate(state.u, state.lam)
+    system.history = after.history
+    assert before.potential is not None and after.potential is not None
+    energy, rate = zip(before.potential, after.potential)
     distance = after.state.lam - before.state.lam
     released = energy[0] + 0.5 * (rate[0] + rate[1]) * distance - energy[1]
     explained = 0.5 * abs((rate[1] - rate[0]) * distance)

@@ -51,6 +51,7 @@ class Point:
     state: State
     tangent: Tangent
     history: Any
+    potential: tuple[float, float] | None = None  # its value and its change with the load factor, once asked for
 
     @property
     def negative(self) -> int:
