@@ -241,6 +241,26 @@ def full_hessian(kernel: Kernel, contribution: Contribution) -> Array:
     return full
 
 
+def hessian_product(kernel: Kernel, contribution: Contribution, vectors: Array) -> Array:
+    """Product of the Hessian of each member with its nodes' vectors, both (n, k, dim)."""
+    blocks = contribution.hessian
+    assert blocks is not None
+    if kernel.pairs is None:
+        return np.asarray(np.einsum("nklab,nlb->nka", blocks, vectors))
+    product = np.zeros_like(vectors)
+    for slot, (a, b) in enumerate(kernel.pairs):
+        block = blocks[:, slot]
+        if kernel.translation_invariant:  # only relative vectors count, which stands for the blocks (a, a)
+            apart = vectors[:, b] - vectors[:, a]
+            product[:, a] += np.einsum("nij,nj->ni", block, apart)
+            product[:, b] -= np.einsum("nji,nj->ni", block, apart)
+        else:
+            product[:, a] += np.einsum("nij,nj->ni", block, vectors[:, b])
+            if a != b:
+                product[:, b] += np.einsum("nji,nj->ni", block, vectors[:, a])
+    return product
+
+
 def _independent(conn: NDArray[np.int64]) -> list[NDArray[np.int64]]:
     """Members grouped so that no two of a group share a node (greedy colouring)."""
     groups: list[list[int]] = []

@@ -290,13 +290,14 @@ class Results(ResultsFiles, ResultsShape):
             target = np.zeros_like(rest)
             for kernel in self.kernels:
                 if self.linear:
-                    from kirigami.kernel import full_hessian
+                    from kirigami.kernel import hessian_product
 
                     at_start = kernel.evaluate(at_rest, step.lam, 2)
                     gradient = at_start.gradient
+                    assert gradient is not None
                     if kernel.pairs != ():
-                        block = full_hessian(kernel, at_start)
-                        gradient = gradient + np.einsum("nklab,nlb->nka", block, step.u[kernel.conn][..., : self.dim])
+                        moved = step.u[kernel.conn][..., : self.dim]
+                        gradient = gradient + hessian_product(kernel, at_start, moved)
                 else:
                     gradient = self.evaluate_at(kernel, step, lambda x: kernel.evaluate(x, step.lam, 1)).gradient  # noqa: B023
                 assert gradient is not None
@@ -352,13 +353,13 @@ class Results(ResultsFiles, ResultsShape):
         return totals
 
     def _linear_energy(self, kernel: Kernel, step: Step) -> float:
-        from kirigami.kernel import full_hessian
+        from kirigami.kernel import hessian_product
 
         rest = self.rest[:, : self.dim]
         start = kernel.evaluate(Configuration(rest, np.zeros_like(rest)), step.lam, 2)
         assert start.gradient is not None
         u = step.u[kernel.conn][..., : self.dim]
-        second = 0.5 * np.einsum("nka,nklab,nlb->", u, full_hessian(kernel, start), u)
+        second = 0.5 * (u * hessian_product(kernel, start, u)).sum()
         return float(start.energy.sum() + (start.gradient * u).sum() + second)
 
     def _members(self, name: str, quantity: str) -> Array:

@@ -12,10 +12,12 @@ from numpy.typing import ArrayLike
 from kirigami.analysis.base import Analysis, first_largest
 from kirigami.errors import ModelError
 from kirigami.kernel import Array
-from kirigami.linalg import SingularMatrixError, smallest_eigenpairs
+from kirigami.linalg import Factor, SingularMatrixError, smallest_eigenpairs
 from kirigami.model import Model
-from kirigami.results import Step
+from kirigami.results import Results, Step
 from kirigami.system import System
+
+FAR, ROUNDING = 30.0, 1e-5  # lowest eigenvalues over the shift: below the first it is too far, below the second noise
 
 
 @dataclass(frozen=True, eq=False)
@@ -131,6 +133,8 @@ class Eigen(Analysis):
             shift = self._below_negative(system, results, matrix, mass, shift)
         try:
             factor = self._factorize(system, results, (matrix - shift * mass).tocsc())
+            if self.about is None:
+                shift, factor = self._nearer(system, results, matrix, mass, shift, factor)
         except SingularMatrixError:
             factor = self._factorize(system, results, (matrix - 1.7 * shift * mass).tocsc())
         with system.clock("eigenpairs"):
@@ -141,6 +145,22 @@ class Eigen(Analysis):
             shape /= np.abs(shape).max() * np.sign(shape.ravel()[first_largest(shape.ravel())])
         self._finish(system, results)
         return Modes(values, shapes)
+
+    def _nearer(
+        self, system: System, results: Results, matrix: Any, mass: Any, shift: float, factor: Factor
+    ) -> tuple[float, Factor]:
+        """A shift nearer to zero where the lowest eigenvalues are far smaller, which would look alike from afar.
+
+        A few inverse iterations tell their size; for a free body that is rounding, and the shift stays.
+        """
+        vector = np.random.default_rng(0).normal(size=system.free)
+        for _ in range(4):
+            vector = factor.solve(mass @ vector)
+            vector /= np.linalg.norm(vector)
+        size = float(vector @ (matrix @ vector)) / float(vector @ (mass @ vector))
+        if not ROUNDING * abs(shift) < size < FAR * abs(shift):
+            return shift, factor
+        return -0.01 * size, self._factorize(system, results, (matrix + 0.01 * size * mass).tocsc())
 
     def _below_negative(self, system: System, results: Any, matrix: Any, mass: Any, shift: float) -> float:
         """A shift below the lowest eigenvalue of a loaded state, by doubling until no pivot is negative."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from kirigami.errors import AnalysisError
-from kirigami.kernel import Array, Configuration, Kernel, full_hessian
+from kirigami.kernel import Array, Configuration, Kernel, hessian_product
 from kirigami.results import Results, Step
 
 
@@ -113,5 +113,5 @@ def _element_energy(results: Results, kernel: Kernel, step: Step) -> Array:
     assert start.gradient is not None
     u = step.u[kernel.conn][..., : results.dim]
     first = np.einsum("nka,nka->n", start.gradient, u)
-    second = 0.5 * np.einsum("nka,nklab,nlb->n", u, full_hessian(kernel, start), u)
+    second = 0.5 * (u * hessian_product(kernel, start, u)).sum(axis=(1, 2))
     return np.asarray(start.energy + first + second)
