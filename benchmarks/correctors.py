@@ -53,6 +53,7 @@ from __future__ import annotations
 
 import argparse
 import csv
+import itertools
 import time
 import warnings
 from collections.abc import Callable
@@ -60,6 +61,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import shapely
 from shapely import LineString, Point, box
 
 import kirigami as kg
@@ -131,6 +133,23 @@ def sheet_model(name: str, thickness: float, imperfection: float, strain: float)
     if imperfection:
         m.perturb(kg.Eigen(m, n=1).run()[0], amplitude=imperfection * thickness)
     return m
+
+
+def facets_across(name: str) -> int:
+    """Number of facets that the shortest line between two cuts, or a cut and the outline, passes through."""
+    geometry, edge, cut_edge = SHEETS[name]
+    outline, cuts = geometry()
+    mesh = kg.Sheet(outline, cuts).mesh(edge, cut_edge=cut_edge)
+    borders = [outline.exterior, *outline.interiors, *(getattr(cut, "exterior", cut) for cut in cuts)]
+    lines = [
+        shapely.shortest_line(one, other)
+        for one, other in itertools.combinations(borders, 2)
+        if not one.intersects(other)
+    ]
+    narrowest = min(lines, key=lambda line: line.length)
+    facets = shapely.polygons(mesh.nodes[mesh.triangles][..., :2])
+    passed = shapely.length(shapely.intersection(facets, narrowest))
+    return int(np.count_nonzero(passed > 1e-6 * narrowest.length))
 
 
 class EnoughError(Exception):

@@ -1,6 +1,7 @@
 """A thousand random cut sheets, stretched by a tenth: none may crash, hang, or store a step that is no equilibrium.
 
     python benchmarks/random_sheets.py --table random_sheets.csv            # a thousand sheets; goes on where it was
+    python benchmarks/random_sheets.py --corrector descent --table ...      # the same in a fifth of the time
     python benchmarks/random_sheets.py --seeds 50 --small                   # the fifty of the test suite
 
 Each seed draws a sheet one unit wide and one thousandth thick with slits, crossing slits, slots and holes, or lines

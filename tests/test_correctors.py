@@ -2,6 +2,11 @@
 
 from __future__ import annotations
 
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+from types import ModuleType
+
 import numpy as np
 import pytest
 from shapely import LineString, box
@@ -66,3 +71,30 @@ def test_the_same_run_gives_the_same_digits() -> None:
 def test_unknown_corrector() -> None:
     with pytest.raises(kg.ModelError, match="corrector must be one of"):
         kg.DisplacementControl(slit_sheet(0.0), corrector="hope")
+
+
+@pytest.fixture(scope="module")
+def benchmark() -> Iterator[ModuleType]:
+    """The script that compares the correctors."""
+    folder = str(Path(__file__).resolve().parents[1] / "benchmarks")
+    sys.path.insert(0, folder)
+    try:
+        import correctors
+
+        yield correctors
+    finally:
+        sys.path.remove(folder)
+
+
+def test_benchmark_sheets_resolve_their_ligaments(benchmark: ModuleType) -> None:
+    """At least three facets across the narrowest ligament of each of the eight sheets."""
+    assert len(benchmark.SHEETS) == 8
+    assert {name: count for name in benchmark.SHEETS if (count := benchmark.facets_across(name)) < 3} == {}
+
+
+def test_descent_of_a_thin_disc_is_cheap(benchmark: ModuleType) -> None:
+    """2,315 nodes at t/L = 1e-3, one slit, to lock; 110 factorisations when this was written."""
+    row = benchmark.carry("disc", "descent", 1e-3)
+    assert int(row["nodes"]) >= 2000
+    assert row["end"] == "lock"
+    assert int(row["factorizations"]) < 200
