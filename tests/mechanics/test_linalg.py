@@ -7,10 +7,12 @@ import importlib.util
 import numpy as np
 import pytest
 from scipy.sparse import block_diag, csc_matrix, diags, identity, kron, random
+from shapely import LineString, box
 
 import kirigami as kg
 from kirigami.linalg import BACKENDS, SingularMatrixError, factorize, make_solver, smallest_eigenpairs
 from kirigami.linalg.dissection import dissect
+from kirigami.linalg.threads import one_thread
 
 NAMES = [
     pytest.param(
@@ -239,3 +241,27 @@ def test_eigenpairs_near_a_shift_match_dense_ones() -> None:
 
     assert values == pytest.approx(eigh(matrix.toarray(), mass.toarray(), eigvals_only=True)[:4], rel=1e-9)
     assert np.abs(vectors.T @ (mass @ vectors) - np.eye(4)).max() < 1e-9
+
+
+def test_modes_far_below_the_first_shift() -> None:
+    """A thin sheet: eigenpairs hold, with a shift that tells the lowest ones apart and so with few solutions."""
+    mesh = kg.Sheet(box(0, 0, 1, 1), [LineString([(0.25, 0.5), (0.75, 0.5)])]).mesh(0.06)
+    m = kg.Model.from_mesh(mesh, 1e-5, kg.Material(E=1.0))
+    m.add(kg.Fix(m.select(boundary="bottom"), clamp=True))
+    analysis = kg.Eigen(m, n=4)
+    modes = analysis.run()
+    system = kg.System(m)
+    matrix = system.stiffness()
+    for mode in modes:
+        vector = system.unknowns(mode.shape)
+        error = np.linalg.norm(matrix @ vector - mode.value * vector)
+        assert error < 1e-6 * mode.value * np.linalg.norm(vector)
+    assert analysis.results is not None and analysis.results.stats["factorizations"] == 2  # the first was too far
+
+
+def test_dense_blocks_keep_to_one_thread() -> None:
+    controller = pytest.importorskip("threadpoolctl").ThreadpoolController()
+    before = [library["num_threads"] for library in controller.info()]
+    with one_thread():
+        assert all(library["num_threads"] == 1 for library in controller.info() if library["user_api"] == "blas")
+    assert [library["num_threads"] for library in controller.info()] == before
