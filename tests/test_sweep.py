@@ -50,6 +50,15 @@ def noted(x: int, folder: str, pause: float = 0.0) -> float:
     return x**2
 
 
+def gated(x: int, folder: str) -> float:
+    """From number 6 on it takes a file "go" to finish, so that an interruption is never too late."""
+    value = noted(x, folder)
+    end = time.monotonic() + 60
+    while x >= 6 and not (Path(folder) / "go").exists() and time.monotonic() < end:
+        time.sleep(0.05)
+    return value
+
+
 def deadly(x: int, folder: str) -> float:
     """Number 2 kills its process each time, number 4 only the first time."""
     value = noted(x, folder)
@@ -178,13 +187,13 @@ def test_failed_designs_are_tried_again_on_demand(tmp_path: Path) -> None:
     assert len(log_of(tmp_path / "p")) == 5  # the failure stays in the log
 
 
-DESIGNS = 40  # far more than a busy machine can finish between a look at the log and the arrival of the signal
+DESIGNS = 12
 SCRIPT = """
 import sys, kirigami as kg
 sys.path.insert(0, {tests!r})
-from test_sweep import many, noted
+from test_sweep import gated, many
 if __name__ == "__main__":
-    table = kg.Sweep(noted, many({designs}, folder={folder!r}, pause=0.4), {path!r}).run(workers=2)
+    table = kg.Sweep(gated, many({designs}, folder={folder!r}), {path!r}).run(workers=2)
     print("missing", len(table.missing))
 """
 
@@ -208,7 +217,8 @@ def test_interrupted_and_killed(tmp_path: Path, kind: signal.Signals) -> None:
     workers = {int(pid) for mark in tmp_path.glob("call-*") for pid in mark.read_text().split()}
     wait_until(lambda: not any(is_alive(pid) for pid in workers))
     before = calls(tmp_path)
-    table = kg.Sweep(noted, many(DESIGNS, folder=str(tmp_path), pause=0.4), path).run(ThreadPoolExecutor(8))
+    (tmp_path / "go").touch()
+    table = kg.Sweep(gated, many(DESIGNS, folder=str(tmp_path)), path).run(ThreadPoolExecutor(8))
     assert table["value"].tolist() == [x**2 for x in range(DESIGNS)]
     again = {x for x, count in calls(tmp_path).items() if count > before.get(x, 0)}
     assert again == set(range(DESIGNS)) - saved
