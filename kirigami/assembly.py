@@ -47,20 +47,17 @@ class BlockPlan:
             slots + flip * self.count for slots, flip in zip(np.split(inverse, sections)[1:], flips)
         ]
 
-    def add(self, total: Array, kernel: Kernel, slots: Index, hessian: Array) -> None:
-        """Add the Hessian of a kernel to `total` (dim, dim, 2 blocks), of which :meth:`folded` makes node blocks."""
+    def add(self, blocks: Array, kernel: Kernel, slots: Index, hessian: Array) -> None:
+        """Add the Hessian of a kernel to node blocks (dim, dim, blocks)."""
         if kernel.pairs is None:  # all k * k blocks given: the upper ones say it all
             first, second = np.triu_indices(kernel.conn.shape[1])
             hessian = hessian[:, first, second]
         by_component = hessian.transpose(2, 3, 1, 0)
-        for a in range(len(total)):
-            for b in range(len(total)):
-                total[a, b] += np.bincount(slots, by_component[a, b].ravel(), 2 * self.count)
-
-    def folded(self, total: Array) -> Array:
-        """Node blocks (dim, dim, blocks): what first came with the higher node number is turned over."""
-        blocks: Array = total[:, :, : self.count] + total[:, :, self.count :].swapaxes(0, 1)
-        return blocks
+        for a in range(len(blocks)):
+            for b in range(len(blocks)):
+                sums = np.bincount(slots, by_component[a, b].ravel(), 2 * self.count)
+                blocks[a, b] += sums[: self.count]
+                blocks[b, a] += sums[self.count :]  # came with the higher node first: turned over
 
     def complete(self, blocks: Array) -> None:
         """Fill in the block of each node with itself, zero so far: shifting all nodes together makes no force."""

@@ -339,42 +339,29 @@ class System:
     def stiffness_blocks(self, u: Array, lam: float) -> Array:
         """Node blocks (dim, dim, blocks) of the Hessian of the potential."""
         x = self.configuration(u)
-        blocks: Array | None = None
-        for invariant in (True, False):
-            here = [group for group in zip(self.kernels, self.plan.slots, self.compiled) if group[0].pairs != ()]
-            here = [group for group in here if group[0].translation_invariant is invariant]
-            if here:
-                found = self._gather(x, lam, here, invariant)
-                blocks = found if blocks is None else blocks + found
-        return np.zeros((self.dim, self.dim, self.plan.count)) if blocks is None else blocks
-
-    def _gather(
-        self, x: Configuration, lam: float, group: list[tuple[Kernel, Index, bool]], invariant: bool
-    ) -> Array:
-        """Node blocks (dim, dim, blocks) of kernels that are all translation invariant, or all not."""
         plan = self.plan
-        looped = any(fast for _, _, fast in group)
-        by_loops = np.zeros((plan.count if looped else 0, self.dim, self.dim))
-        total = np.zeros((self.dim, self.dim, 0 if all(fast for _, _, fast in group) else 2 * plan.count))
-        for kernel, slots, fast in group:
-            if fast:
-                with self.clock(f"{kernel.name} (compiled)"):
-                    compiled.add_blocks(kernel, x, slots, by_loops)
-                continue
-            with self.clock(kernel.name):
-                hessian = kernel.evaluate(x, lam, 2).hessian
-            assert hessian is not None
-            with self.clock("assembly"):
-                plan.add(total, kernel, slots, hessian)
         with self.clock("assembly"):
-            if invariant and looped:
-                compiled.complete(plan, by_loops)
-            blocks = np.ascontiguousarray(by_loops.transpose(1, 2, 0)) if looped else np.zeros(())
-            if total.size:
-                folded = plan.folded(total)
-                if invariant:
-                    plan.complete(folded)
-                blocks = blocks + folded if looped else folded
+            blocks = np.zeros((self.dim, self.dim, plan.count))
+        groups = [group for group in zip(self.kernels, plan.slots, self.compiled) if group[0].pairs != ()]
+        if any(self.compiled):
+            by_loops = np.zeros((plan.count, self.dim, self.dim))
+            for kernel, slots, fast in groups:
+                if fast:
+                    with self.clock(f"{kernel.name} (compiled)"):
+                        compiled.add_blocks(kernel, x, slots, by_loops)
+            with self.clock("assembly"):
+                blocks += by_loops.transpose(1, 2, 0)
+        for invariant in (True, False):
+            for kernel, slots, fast in groups:
+                if kernel.translation_invariant is invariant and not fast:
+                    with self.clock(kernel.name):
+                        hessian = kernel.evaluate(x, lam, 2).hessian
+                    assert hessian is not None
+                    with self.clock("assembly"):
+                        plan.add(blocks, kernel, slots, hessian)
+            if invariant and any(kernel.translation_invariant for kernel in self.kernels):
+                with self.clock("assembly"):
+                    (compiled.complete if any(self.compiled) else BlockPlan.complete)(plan, blocks)
         return blocks
 
     def matrix(self, blocks: Array) -> Any:
