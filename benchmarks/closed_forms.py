@@ -20,7 +20,7 @@ import shapely
 
 import kirigami as kg
 from kirigami.kernel import displacement_of
-from kirigami.model import ModelObject, Numbering
+from kirigami.objects import ModelObject, Numbering
 
 RUNGS = ("paper", "plate", "facet", "split")
 E, NU, THICKNESS = 1e6, 0.34, 0.02

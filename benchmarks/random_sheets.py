@@ -38,13 +38,11 @@ from typing import Any
 
 import numpy as np
 import shapely
-from numpy.typing import NDArray
+from random_drawings import KINDS, drawing, parts_of
+from second_residual import residuals
 
 import kirigami as kg
 
-Floats = NDArray[np.float64]
-
-KINDS = ("slits", "crossing slits", "slits and openings", "wild")
 THICKNESS = 1e-3
 STRETCH = 0.1
 TOLERANCE = 1e-8
@@ -52,76 +50,6 @@ COLUMNS = (
     "seed", "kind", "clamped", "cuts", "parts", "nodes", "min_angle", "outcome", "error", "last_load_factor", "steps",
     "factorizations", "cutbacks", "relaxations", "unstable_steps", "worst_residual", "seconds", "message",
 )  # fmt: skip
-
-
-# ------------------------------------------------------------------------------------------------------- drawings
-
-
-def drawing(seed: int, small: bool = False) -> tuple[shapely.Polygon, list[Any], np.random.Generator]:
-    """Outline and cuts of a seed, only the first five for a small sheet, and the generator to go on with."""
-    random = np.random.default_rng(seed)
-    height = float(random.uniform(0.7, 1.5))
-    outline = shapely.box(0.0, 0.0, 1.0, height)
-    kind = KINDS[seed % len(KINDS)]
-    if kind == "wild":
-        return outline, _wild_cuts(random, outline)[: 5 if small else None], random
-    cuts: list[Any] = []
-    if kind == "slits and openings":
-        for _ in range(int(random.integers(1, 5))):
-            opening = _opening(random, outline)
-            if outline.buffer(-0.03).contains(opening) and all(opening.distance(cut) > 0.03 for cut in cuts):
-                cuts.append(opening)
-    count = int(random.integers(1, 26))
-    longest = float(random.uniform(0.15, 0.6))
-    gap = float(random.uniform(0.01, 0.04))
-    while True:
-        try:
-            slits = kg.cuts.random_slits(
-                count, 1.0, height, (0.3 * longest, longest), seed=int(random.integers(2**31)), gap=gap,
-                crossing=kind == "crossing slits",
-            )  # fmt: skip
-            break
-        except kg.GeometryError:
-            count = max(1, count // 2)
-            longest = max(0.8 * longest, 0.1)
-    cuts += [slit for slit in slits if all(slit.distance(cut) > gap for cut in cuts)]
-    return outline, cuts[: 5 if small else None], random
-
-
-def _opening(random: np.random.Generator, outline: shapely.Polygon) -> Any:
-    """A round hole or a slot at any place and angle."""
-    centre = shapely.Point(random.uniform(outline.bounds[:2], outline.bounds[2:]))
-    if random.random() < 0.5:
-        return centre.buffer(random.uniform(0.02, 0.15))
-    length, width = random.uniform(0.1, 0.4), random.uniform(0.01, 0.05)
-    slot = shapely.box(centre.x - length / 2, centre.y - width / 2, centre.x + length / 2, centre.y + width / 2)
-    return shapely.affinity.rotate(slot, random.uniform(0, 180))
-
-
-def _wild_cuts(random: np.random.Generator, outline: shapely.Polygon) -> list[Any]:
-    """Lines, bent lines and openings that cross, reach the edge, enclose pieces or pass close to one another."""
-    low, high = np.array(outline.bounds[:2]), np.array(outline.bounds[2:])
-    cuts: list[Any] = []
-    for _ in range(int(random.integers(1, 13))):
-        start = random.uniform(low - 0.05, high + 0.05)
-        if random.random() < 0.15:
-            cut = _opening(random, outline)
-        else:
-            turns = np.cumsum(random.normal(0.0, 0.8, int(random.integers(1, 5)))) + random.uniform(0, 2 * np.pi)
-            steps = random.uniform(0.08, 0.35, len(turns))[:, None] * np.column_stack([np.cos(turns), np.sin(turns)])
-            cut = shapely.LineString(np.vstack([start, start + np.cumsum(steps, axis=0)]))
-        inside = shapely.intersection(cut, outline)
-        if inside.geom_type == cut.geom_type and not inside.is_empty:
-            cuts.append(inside)
-    return cuts
-
-
-def parts_of(outline: shapely.Polygon, cuts: list[Any]) -> int:
-    """Number of pieces of the sheet: the faces of the drawing that are no opening."""
-    openings = shapely.union_all([cut for cut in cuts if cut.geom_type == "Polygon"])
-    lines = [cut.exterior if cut.geom_type == "Polygon" else cut for cut in cuts]
-    faces = shapely.polygonize([shapely.union_all([outline.exterior, *lines])])
-    return sum(not openings.covers(face.representative_point()) for face in faces.geoms)
 
 
 # ------------------------------------------------------------------------------------------------------ one sheet
@@ -191,115 +119,6 @@ def as_expected(row: dict[str, Any]) -> bool:
     if int(row["parts"]) > 1:
         return bool(row["outcome"] == "typed error" and row["error"] == "GeometryError")
     return bool(row["outcome"] == "reached")
-
-
-# ------------------------------------------------------------------------------------- the residual, a second time
-
-
-def residuals(m: kg.Model, results: kg.Results) -> list[float]:
-    """Relative residual of every stored step from the objects of the model: energies differentiated by complex steps.
-
-    Bars have the energy EA L e^2 / 2 with e the Green strain, hinges k (theta - theta_0)^2 / 2 with the cosine and
-    sine of theta from the normals of the wings. The slope of a clamped edge is that of its only facet.
-    """
-    rest = m.positions()
-    bars = [item for item in m.elements if isinstance(item, kg.Bar)]
-    hinges = [item for item in m.elements if isinstance(item, kg.BendHinge)]
-    ends = np.array([m.index(bar.nodes) for bar in bars])
-    corners = np.array([m.index(hinge.nodes) for hinge in hinges])
-    EA, rigidity = np.array([bar.EA for bar in bars]), np.array([hinge.stiffness for hinge in hinges])
-    span = rest[ends[:, 1]] - rest[ends[:, 0]]
-    length = np.linalg.norm(span, axis=1)
-    clamps, clamp_rigidity = _clamped_edges(m)
-    free = np.ones(rest.shape, dtype=bool)
-    prescribed = np.zeros(rest.shape)
-    for item in m.constraints:
-        for axis, values in item.values.items():
-            at = m.index(item.group), "xyz".index(axis)
-            free[at] = False
-            prescribed[at] = 0.0 if item.constant else values
-    rest_angle = _angle(rest[corners])
-    found = []
-    angle, slope = rest_angle, np.zeros(len(clamps))
-    for step in results.steps:
-        if not np.isfinite(step.u).all() or np.abs(step.u - step.lam * prescribed)[~free].max() > 1e-12:
-            return [np.inf]
-        force, squares = np.zeros(rest.shape), 0.0
-        change = step.u[ends[:, 1]] - step.u[ends[:, 0]]
-        strain = (np.einsum("na,na->n", span, change) + 0.5 * np.einsum("na,na->n", change, change)) / length**2
-        pull = (EA * strain / length)[:, None] * (span + change)
-        parts = [(ends, np.stack([-pull, pull], axis=1))]
-        points = (rest + step.u)[corners]
-        angle = _unwrapped(_angle(points), angle)
-        parts.append((corners, (rigidity * (angle - rest_angle))[:, None, None] * _angle_gradient(points)))
-        if len(clamps):
-            # the mirror image of the facet stands still next to an edge that moves without turning
-            points = _with_mirror_image(rest[clamps], step.u[clamps])
-            slope = _unwrapped(_angle(points), slope)
-            gradient = _angle_gradient(points)
-            gradient[:, 1] += gradient[:, 3]
-            parts.append((clamps, (clamp_rigidity * slope)[:, None, None] * gradient[:, :3]))
-        for nodes, gradient in parts:
-            np.add.at(force, nodes, gradient)
-            squares += float((gradient**2).sum())
-        unbalanced = float(np.linalg.norm(force[free]))
-        rounding = 2e-15 * float(np.linalg.norm(EA))  # a strain that rounding alone may leave
-        found.append(unbalanced / np.sqrt(squares) if unbalanced > rounding else 0.0)
-    return found
-
-
-def _angle(points: NDArray[Any]) -> Floats:
-    """Fold angle (n,) of hinges (n, 4, 3), nodes i, j, k, l: 0 when flat."""
-    cosine, sine = _cosine_and_sine(points)
-    return np.arctan2(sine, cosine)
-
-
-def _cosine_and_sine(points: NDArray[Any]) -> tuple[NDArray[Any], NDArray[Any]]:
-    """Cosine and sine of the angle between the normals of the wings, both times the same factor."""
-    i, j, k, l = points.swapaxes(0, 1)
-    edge = k - j
-    one, other = np.cross(edge, i - j), np.cross(l - j, edge)
-    size = np.sqrt((edge * edge).sum(axis=1))
-    return (one * other).sum(axis=1), (np.cross(one, other) * edge).sum(axis=1) / -size
-
-
-def _angle_gradient(points: Floats) -> Floats:
-    """Derivative (n, 4, 3) of the angle by complex steps, which leave no difference to round."""
-    cosine, sine = _cosine_and_sine(points)
-    gradient = np.empty(points.shape)
-    for node in range(4):
-        for axis in range(3):
-            moved = points.astype(complex)
-            moved[:, node, axis] += 1e-30j
-            by_cosine, by_sine = (part.imag / 1e-30 for part in _cosine_and_sine(moved))
-            gradient[:, node, axis] = (cosine * by_sine - sine * by_cosine) / (cosine**2 + sine**2)
-    return gradient
-
-
-def _unwrapped(angle: Floats, before: Floats) -> Floats:
-    return angle + 2 * np.pi * np.round((before - angle) / (2 * np.pi))
-
-
-def _clamped_edges(m: kg.Model) -> tuple[NDArray[np.int64], Floats]:
-    """Wing and ends (n, 3) of boundary edges within a clamped group, and D L^2 / A of each."""
-    assert m.mesh is not None and m.mesh.material is not None
-    mesh, material = m.mesh, m.mesh.material
-    rigidity = material.E * THICKNESS**3 / (12 * (1 - material.nu**2))
-    rows = []
-    for group in (m.index(item.group) for item in m.constraints if item.clamp):
-        rows += [k for k in np.flatnonzero(mesh.edge_facets[:, 1] < 0) if np.isin(mesh.edges[k], group).all()]
-    edges = np.array(sorted(set(rows)), dtype=np.int64)
-    area = mesh.facet_areas[mesh.edge_facets[edges, 0]]
-    nodes = np.column_stack([mesh.edge_wings[edges, 0], mesh.edges[edges]])
-    return nodes, rigidity * mesh.edge_lengths[edges] ** 2 / area
-
-
-def _with_mirror_image(rest: Floats, u: Floats) -> Floats:
-    """Facets (n, 3, 3) at displacements, with their mirror images at rest carried along by the edge."""
-    i, j, k = rest.swapaxes(0, 1)
-    edge = k - j
-    foot = j + edge * (((i - j) * edge).sum(axis=1) / (edge**2).sum(axis=1))[:, None]
-    return np.concatenate([rest + u, (2 * foot - i + u[:, 1])[:, None]], axis=1)
 
 
 # -------------------------------------------------------------------------------------------------------- workers

@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING, Any
 __version__ = "0.1.0"
 
 _HOME = {
-    "Material": "model",
-    "Node": "model",
+    "Material": "objects",
+    "Node": "objects",
     "Model": "model",
     "Bar": "elements.bar",
     "BendHinge": "elements.bend_hinge",
@@ -39,8 +39,8 @@ _HOME = {
     "DisplacementControl": "analysis.path",
     "ArcLength": "analysis.path",
     "Results": "results",
-    "Step": "results",
-    "Event": "results",
+    "Step": "step",
+    "Event": "step",
     "load": "storage",
     "Framework": "framework",
     "Rigidity": "framework",
@@ -106,15 +106,15 @@ if TYPE_CHECKING:
     from kirigami.kernel import Kernel as Kernel
     from kirigami.kernel import check_kernel as check_kernel
     from kirigami.loads import NodalLoad as NodalLoad
-    from kirigami.model import Material as Material
     from kirigami.model import Model as Model
-    from kirigami.model import Node as Node
     from kirigami.normal import Normal as Normal
+    from kirigami.objects import Material as Material
+    from kirigami.objects import Node as Node
     from kirigami.periodic import PeriodicCell as PeriodicCell
-    from kirigami.results import Event as Event
     from kirigami.results import Results as Results
-    from kirigami.results import Step as Step
     from kirigami.sampling import latin_hypercube as latin_hypercube
+    from kirigami.step import Event as Event
+    from kirigami.step import Step as Step
     from kirigami.stiffness import Calibration as Calibration
     from kirigami.storage import load as load
     from kirigami.sweep import Sweep as Sweep

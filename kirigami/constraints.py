@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 
 from kirigami.errors import ModelError
 from kirigami.kernel import Array, Kernel
-from kirigami.model import ModelObject, Node, Numbering
+from kirigami.objects import ModelObject, Node, Numbering
 
 AXES = "xyz"
 

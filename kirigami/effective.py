@@ -17,7 +17,8 @@ from numpy.typing import NDArray
 
 from kirigami.errors import ModelError
 from kirigami.kernel import Array, Configuration, Kernel, full_hessian
-from kirigami.model import Material, Model
+from kirigami.model import Model
+from kirigami.objects import Material
 from kirigami.stiffness import Calibration
 from kirigami.system import System
 

@@ -9,7 +9,8 @@ from numpy.typing import NDArray
 
 from kirigami.errors import ModelError
 from kirigami.kernel import Array
-from kirigami.model import Model, Node, require_positive
+from kirigami.model import Model
+from kirigami.objects import Node, require_positive
 
 
 class Normal(Node):

@@ -4,156 +4,27 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from kirigami.constraints import AXES
 from kirigami.errors import AnalysisError, ModelError
 from kirigami.file_methods import ResultsFiles
 from kirigami.kernel import Array, Configuration, Kernel
-from kirigami.model import Model, Node
+from kirigami.model import Model
+from kirigami.objects import Node
 from kirigami.shape_methods import ResultsShape
+from kirigami.step import Event, Step
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
     from kirigami.geometry.mesh import TriMesh
     from kirigami.system import System
-
-
-@dataclass(frozen=True, eq=False, repr=False)
-class Step:
-    """One converged equilibrium.
-
-    Attributes
-    ----------
-    lam : float
-        Load factor.
-    u : ndarray, shape (n, 3)
-        Displacements from the rest state [length].
-    negative : int or None
-        Number of negative eigenvalues of the tangent stiffness at fixed load factor; None where not counted.
-    residual : float
-        Norm of the residual over the root sum of squares of all unassembled forces.
-    residual_over_reaction : float
-        Norm of the residual over the norm of the support reactions (nan without reactions).
-    iterations : int
-        Corrections it took.
-    history : tuple
-        What history-dependent kernels need to go on from here.
-    stage : int
-        How often :meth:`Model.hold` had been called.
-
-    Examples
-    --------
-    >>> import kirigami as kg
-    >>> m = kg.Model(dim=2)
-    >>> a, b = m.add(kg.Node(0, 0), kg.Node(1, 0))
-    >>> objects = m.add(kg.Bar(a, b, EA=10.0), kg.Fix(a), kg.Fix(b, "y"), kg.NodalLoad(b, (1, 0)))
-    >>> step = kg.LoadControl(m).run()[-1]
-    >>> step.lam, step.stable, step.residual < 1e-8
-    (1.0, True, True)
-    """
-
-    lam: float
-    u: Array
-    negative: int | None = None
-    residual: float = float("nan")
-    residual_over_reaction: float = float("nan")
-    iterations: int = 0
-    history: tuple[Array | None, ...] = ()
-    stage: int = 0
-
-    @property
-    def stable(self) -> bool:
-        """True where no eigenvalue of the tangent stiffness is negative."""
-        return self.negative == 0
-
-    @classmethod
-    def at(cls, model: Model, lam: float, u: ArrayLike) -> Step:
-        """A step from known displacements, to start an analysis from.
-
-        Parameters
-        ----------
-        model : Model
-            The model the displacements belong to.
-        lam : float
-            Load factor.
-        u : array_like, shape (n, 3) or (n, dim)
-            Displacements from the rest state [length].
-
-        Raises
-        ------
-        ModelError
-            Wrong shape, or values that are not finite.
-        """
-        given = np.asarray(u, dtype=float)
-        n = len(model.nodes)
-        if given.ndim != 2 or given.shape[0] != n or given.shape[1] not in (model.dim, 3):
-            raise ModelError(f"Step.at: u must have shape ({n}, 3), got {given.shape}")
-        if not np.isfinite(given).all() or not np.isfinite(lam):
-            raise ModelError("Step.at: lam and u must be finite")
-        full = np.zeros((n, 3))
-        full[:, : given.shape[1]] = given
-        return cls(lam=float(lam), u=full, stage=model.stage)
-
-    def __repr__(self) -> str:
-        state = {None: "stability not counted", 0: "stable"}.get(self.negative, f"{self.negative} negative eigenvalues")
-        return f"Step(lam={self.lam:.6g}, {state}, residual={self.residual:.1e}, {self.iterations} iterations)"
-
-
-@dataclass(frozen=True, eq=False)
-class Event:
-    """Something met on the way: a limit point, a bifurcation, a snap, an interruption.
-
-    Attributes
-    ----------
-    kind : str
-        "limit point" (the load factor has an extremum), "bifurcation" (another path crosses), "stability change" (one
-        of the two that could not be located), "switch" (an unstable path was left for another one), "switch failed" (no
-        stable equilibrium was found), "snap" (energy was set free), "step limit", "interrupted" or "failed".
-    lam : float
-        Load factor: located for limit points and bifurcations, else the middle of ``bracket``.
-    step : int
-        Index of the stored step just before it.
-    message : str
-        The event in words.
-    bracket : tuple of float
-        Load factors of the steps on both sides.
-    located : Step or None
-        The equilibrium at a located point; an analysis can start from it.
-    mode : ndarray, shape (n, 3), or None
-        The critical mode there, to which the tangent stiffness has just lost its resistance: largest component 1, the
-        first of the largest entries positive.
-
-    Examples
-    --------
-    >>> import kirigami as kg
-    >>> event = kg.Event("interrupted", lam=0.4, step=7, message="interrupted after load factor 0.4")
-    >>> print(event)
-    interrupted after load factor 0.4
-    """
-
-    kind: str
-    lam: float
-    step: int
-    message: str
-    bracket: tuple[float, float] = (float("nan"), float("nan"))
-    located: Step | None = field(default=None, repr=False)
-    mode: Array | None = field(default=None, repr=False)
-
-    @property
-    def u(self) -> Array | None:
-        """Displacements (n, 3) at a located point, else None."""
-        return None if self.located is None else self.located.u
-
-    def __str__(self) -> str:
-        return self.message
 
 
 class Results(ResultsFiles, ResultsShape):

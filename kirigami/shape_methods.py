@@ -13,7 +13,7 @@ from kirigami.kernel import Array
 
 if TYPE_CHECKING:
     from kirigami.geometry.mesh import TriMesh
-    from kirigami.model import Material
+    from kirigami.objects import Material
     from kirigami.post.stress import SheetStress
     from kirigami.results import Results
 

@@ -29,7 +29,7 @@ import numpy as np
 
 from kirigami.errors import ModelError
 from kirigami.kernel import Array
-from kirigami.model import Material, require_positive
+from kirigami.objects import Material, require_positive
 
 if TYPE_CHECKING:
     from kirigami.effective import EffectiveProperties

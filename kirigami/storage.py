@@ -13,7 +13,8 @@ from typing import Any
 import numpy as np
 
 from kirigami.errors import AnalysisError
-from kirigami.results import Event, Results, Step
+from kirigami.results import Results
+from kirigami.step import Event, Step
 
 FORMAT = 2  # version of the results file
 

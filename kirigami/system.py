@@ -1,16 +1,12 @@
 """System: a model lowered once into kernels, numbered, constrained and ready to be assembled.
 
-Unknowns are the free displacements q; every displacement is u = T q + lam * drive + held, where T only picks (ties
-make several displacements pick the same unknown). Assembly goes through node blocks: each Hessian block of each
-kernel adds to the block of its node pair (lower number first), and the reduced matrix picks its entries from there.
+The numbering of the unknowns is in :mod:`kirigami.unknowns`. Assembly goes through node blocks: each Hessian block of
+each kernel adds to the block of its node pair (lower number first), and the reduced matrix picks its entries there.
 """
 
 from __future__ import annotations
 
 import math
-import time
-from collections.abc import Iterator
-from contextlib import contextmanager
 from typing import Any
 
 import numpy as np
@@ -18,32 +14,17 @@ from numpy.typing import ArrayLike
 
 from kirigami import compiled
 from kirigami.assembly import BlockPlan, Index, PickPlan, scatter_add
-from kirigami.constraints import AXES
+from kirigami.clock import Clock
 from kirigami.errors import MechanismError, ModelError
 from kirigami.kernel import Array, Configuration, Kernel
-from kirigami.model import Model, ModelObject, Numbering
+from kirigami.model import Model
+from kirigami.objects import ModelObject, Numbering
+from kirigami.unknowns import Unknowns
 
 ROUNDING = 2e-15  # strain or angle [rad] that rounding alone may leave in a member
 
 
-class Clock:
-    """Seconds and counts per part, so that cost can be explained."""
-
-    def __init__(self) -> None:
-        self.seconds: dict[str, float] = {}
-        self.counts: dict[str, int] = {}
-
-    @contextmanager
-    def __call__(self, part: str) -> Iterator[None]:
-        start = time.perf_counter()
-        try:
-            yield
-        finally:
-            self.seconds[part] = self.seconds.get(part, 0.0) + time.perf_counter() - start
-            self.counts[part] = self.counts.get(part, 0) + 1
-
-
-class System:
+class System(Unknowns):
     """The lowered form of a model.
 
     Parameters
@@ -88,11 +69,9 @@ class System:
         self.clock = Clock()
         with self.clock("lowering"):
             numbering = Numbering(model)
-            self.dim = numbering.dim
-            self.rest = numbering.rest
             self.size = numbering.size
             self.kernels = self._lower(numbering)
-            self._number(numbering)
+            super().__init__(numbering)
             self._check_dangling(numbering)
             self._measure()
         self.compiled = [compiled.serves(kernel) for kernel in self.kernels]
@@ -108,78 +87,6 @@ class System:
         for item in numbering.model.objects:
             by_type.setdefault(type(item), []).append(item)
         return [kernel for cls, items in by_type.items() for kernel in cls.lower(items, numbering)]
-
-    def _number(self, numbering: Numbering) -> None:
-        """Number the unknowns and resolve ties into a leader and an offset for each displacement."""
-        dofs = self.rest.size
-        leader = np.arange(dofs)
-        fixed = np.zeros(dofs, dtype=bool)
-        drive, held = np.zeros(dofs), np.zeros(dofs)
-        owner: Index = np.full(dofs, -1)
-        constraints = numbering.model.constraints
-        for position, item in enumerate(constraints):
-            nodes = numbering.index(item.group)
-            leaders = numbering.index(item.leaders)
-            axes = [axis for axis in item.values if AXES.index(axis) < self.dim]
-            if not axes:
-                raise ModelError(f"{item!r} constrains only z, but the model has dim=2")
-            for axis in axes:
-                at = nodes * self.dim + AXES.index(axis)
-                self._check_conflict(at, axis, item, owner, constraints, numbering)
-                owner[at] = position
-                (held if item.constant else drive)[at] = item.values[axis]
-                if item.leaders:
-                    leader[at] = leaders * self.dim + AXES.index(axis)
-                else:
-                    fixed[at] = True
-            if item.clamp:  # the normals of clamped nodes keep their direction: their tips move along
-                base, tip = numbering.model.normals
-                of_group = np.isin(base, nodes)
-                for axis_number in range(self.dim):
-                    leader[tip[of_group] * self.dim + axis_number] = base[of_group] * self.dim + axis_number
-        for _ in range(dofs):
-            following = np.flatnonzero(leader[leader] != leader)
-            if not following.size:
-                break
-            ahead = leader[following]
-            drive[following] += drive[ahead]
-            held[following] += held[ahead]
-            leader[following] = leader[ahead]
-            if np.any(leader[following] == following):
-                dof = int(following[leader[following] == following][0])
-                node = numbering.model.nodes[dof // self.dim]
-                axis = AXES[dof % self.dim]
-                raise ModelError(f"ties go round in a circle at {numbering.describe(node)} along {axis}")
-        tied = np.flatnonzero(leader != np.arange(dofs))
-        drive[tied] += drive[leader[tied]]
-        held[tied] += held[leader[tied]]
-        fixed |= fixed[leader]
-        unknown = np.full(dofs, -1)
-        heads = np.flatnonzero(~fixed & (leader == np.arange(dofs)))
-        unknown[heads] = np.arange(heads.size)
-        self.unknown: Index = np.where(fixed, -1, unknown[leader])  # unknown of each displacement, -1 where known
-        self.heads = heads
-        self.leader = leader  # the displacement that each one follows, itself where it is not tied
-        self.free = int(heads.size)
-        self.drive = drive
-        self.held = held
-        self.constrained = owner.reshape(-1, self.dim) >= 0
-
-    @staticmethod
-    def _check_conflict(
-        at: Index, axis: str, item: Any, owner: Index, constraints: list[Any], numbering: Numbering
-    ) -> None:
-        clash = at[owner[at] >= 0]
-        if clash.size:
-            node = numbering.model.nodes[int(clash[0]) // numbering.dim]
-            raise ModelError(
-                f"{item!r} and {constraints[int(owner[clash[0]])]!r} both constrain {axis} of "
-                f"{numbering.describe(node)} ({clash.size} such in all): constrain each displacement once"
-            )
-        values, counts = np.unique(at, return_counts=True)
-        if np.any(counts > 1):
-            node = numbering.model.nodes[int(values[counts > 1][0]) // numbering.dim]
-            raise ModelError(f"{item!r} lists {numbering.describe(node)} twice")
 
     def _check_dangling(self, numbering: Numbering) -> None:
         touched = np.zeros(len(self.rest), dtype=bool)
@@ -230,41 +137,9 @@ class System:
         if self.model.version != self.version:
             raise ModelError("the model was edited after this System was made: make a new System or analysis")
 
-    # ---- unknowns and displacements
-
-    def displacement(self, q: Array, lam: float) -> Array:
-        """Displacements (n, dim) for unknowns `q` (free,) at load factor `lam`."""
-        u: Array = lam * self.drive + self.held
-        moving = self.unknown >= 0
-        u[moving] += q[self.unknown[moving]]
-        return u.reshape(self.rest.shape)
-
-    def unknowns(self, u: Array) -> Array:
-        """Unknowns (free,) of displacements `u` (n, dim or 3)."""
-        flat = np.asarray(u, dtype=float)[:, : self.dim].ravel()
-        q: Array = flat[self.heads].copy()
-        return q
-
-    def constraint_error(self, u: Array, lam: float) -> float:
-        """Largest violation [length] of the constraints by displacements `u` (n, dim or 3)."""
-        expected = self.displacement(self.unknowns(u), lam)
-        return float(np.abs(np.asarray(u)[:, : self.dim] - expected).max(initial=0.0))
-
-    def start_stage(self, u: Array) -> None:
-        """Let a new stage begin at displacements `u`: what the constraints have elsewhere at load factor 0 is brought
-        to its place in proportion to the load factor."""
-        ahead = (np.asarray(u)[:, : self.dim] - self.displacement(self.unknowns(u), 0.0)).ravel()
-        self.held = self.held + ahead
-        self.drive = self.drive - ahead
-
     def configuration(self, u: Array) -> Configuration:
         """Current positions (n, dim) at displacements `u` (n, dim or 3)."""
         return Configuration(self.rest, np.asarray(u, dtype=float)[:, : self.dim])
-
-    def reduce(self, full: Array) -> Array:
-        """Sum a force-like field (n, dim) onto the unknowns (free,)."""
-        moving = self.unknown >= 0
-        return np.asarray(np.bincount(self.unknown[moving], full.ravel()[moving], self.free), dtype=float)
 
     # ---- evaluation
 

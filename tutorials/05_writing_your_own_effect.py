@@ -18,7 +18,7 @@ from scipy.optimize import brentq
 
 import kirigami as kg
 from kirigami.kernel import Array, Contribution, Kernel, displacement_of
-from kirigami.model import ModelObject, Node, Numbering
+from kirigami.objects import ModelObject, Node, Numbering
 
 # %% [markdown]
 # ## The file

@@ -12,7 +12,8 @@ from kirigami.kernel import Array
 from kirigami.linalg import Factor, SingularMatrixError, make_solver
 from kirigami.mechanism import check_floppy
 from kirigami.model import Model
-from kirigami.results import Results, Step
+from kirigami.results import Results
+from kirigami.step import Step
 from kirigami.system import System
 
 

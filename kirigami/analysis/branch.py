@@ -7,7 +7,8 @@ from typing import Protocol
 from kirigami.analysis.control import Control, ModeControl
 from kirigami.analysis.state import Attempt, Point, State, Tangent
 from kirigami.kernel import Array
-from kirigami.results import Event, Results, Step
+from kirigami.results import Results
+from kirigami.step import Event, Step
 from kirigami.system import System
 
 TURNS = 0.05, 0.0125, 0.003, 0.0008, 0.2  # turns of a member by which the mode leads away from the bifurcation

@@ -10,7 +10,7 @@ from kirigami.analysis.state import Attempt, Point, State, Tangent
 from kirigami.constraints import AXES
 from kirigami.errors import ModelError
 from kirigami.kernel import Array
-from kirigami.model import Node
+from kirigami.objects import Node
 from kirigami.system import System
 
 SHARPEST_TURN = 0.5  # cosine of the largest angle between the tangent of a step and its chord

@@ -24,7 +24,7 @@ import numpy as np
 from kirigami.analysis.newton import ROTATION_CAP
 from kirigami.analysis.state import Attempt, State
 from kirigami.kernel import Array
-from kirigami.linalg import Factor, SingularMatrixError
+from kirigami.linalg import Factor, SingularMatrixError, inverse_iteration
 from kirigami.system import System
 
 CHORD_GAIN = 0.5  # a chord step must at least halve the residual to be kept
@@ -217,10 +217,7 @@ class _Descent:
 
     def _push(self, factor: Factor) -> Array:
         """A small move along the mode nearest to neutral, by inverse iteration; its largest entry is positive."""
-        mode = np.random.default_rng(0).normal(size=self.system.free)
-        for _ in range(8):
-            mode = factor.solve(mode)
-            mode /= np.abs(mode).max()
+        _, mode = inverse_iteration(factor, self.system.free, 8)
         mode *= np.sign(mode[np.argmax(np.abs(mode))])
         return mode * (PUSH / self.system.largest_rotation(self._change(mode)))
 

@@ -12,9 +12,10 @@ from numpy.typing import ArrayLike
 from kirigami.analysis.base import Analysis, first_largest
 from kirigami.errors import ModelError
 from kirigami.kernel import Array
-from kirigami.linalg import Factor, SingularMatrixError, smallest_eigenpairs
+from kirigami.linalg import Factor, SingularMatrixError, inverse_iteration, smallest_eigenpairs
 from kirigami.model import Model
-from kirigami.results import Results, Step
+from kirigami.results import Results
+from kirigami.step import Step
 from kirigami.system import System
 
 FAR, ROUNDING = 30.0, 1e-5  # lowest eigenvalues over the shift: below the first it is too far, below the second noise
@@ -153,10 +154,7 @@ class Eigen(Analysis):
 
         A few inverse iterations tell their size; for a free body that is rounding, and the shift stays.
         """
-        vector = np.random.default_rng(0).normal(size=system.free)
-        for _ in range(4):
-            vector = factor.solve(mass @ vector)
-            vector /= np.linalg.norm(vector)
+        _, vector = inverse_iteration(factor, system.free, 4)
         size = float(vector @ (matrix @ vector)) / float(vector @ (mass @ vector))
         if not ROUNDING * abs(shift) < size < FAR * abs(shift):
             return shift, factor

@@ -16,13 +16,15 @@ from kirigami.analysis.base import first_largest, make_step
 from kirigami.analysis.control import Control, LoadFactorControl
 from kirigami.analysis.state import Attempt, Point, Tangent
 from kirigami.kernel import Array
-from kirigami.linalg import Factor, SingularMatrixError, factorize
-from kirigami.results import Event, Results
+from kirigami.linalg import SingularMatrixError, factorize, inverse_iteration
+from kirigami.results import Results
+from kirigami.step import Event
 from kirigami.system import System
 
 LIMIT_TOLERANCE = 1e-7  # relative error in load to which limit points are located
 BIFURCATION_TOLERANCE = 1e-4  # share of the range of load factors to which bifurcations are located
 JUMP = 20.0  # growth of the mean speed along an increment beyond which displacements jump
+SETTLED = 1e-4  # change of the critical eigenvalue from one inverse iteration to the next that is small enough
 SNAP = 1e-3  # least energy set free, as a share of the stored energy, that counts as a snap
 
 
@@ -181,29 +183,16 @@ def nodal_shape(system: System, vector: Array) -> Array:
 def critical_pair(system: System, tangent: Tangent) -> tuple[float, Array]:
     """Eigenvalue nearest to zero, and its vector (free,) of unit length."""
     try:
-        return _inverse_iteration(tangent.factor, system.free)
+        return inverse_iteration(tangent.factor, system.free, 30, SETTLED)
     except SingularMatrixError:
         from scipy.sparse import eye
 
         # So near to zero that it takes a shift to solve at all.
         matrix = system.matrix(tangent.blocks)
         shift = 1e-9 * float(np.abs(matrix.diagonal()).mean())
-        value, vector = _inverse_iteration(factorize((matrix + shift * eye(system.free)).tocsc()), system.free)
+        factor = factorize((matrix + shift * eye(system.free)).tocsc())
+        value, vector = inverse_iteration(factor, system.free, 30, SETTLED)
         return value - shift, vector
-
-
-def _inverse_iteration(factor: Factor, size: int) -> tuple[float, Array]:
-    vector = np.random.default_rng(0).normal(size=size)
-    vector /= np.linalg.norm(vector)
-    value = float("inf")
-    for _ in range(30):
-        solution = factor.solve(vector)
-        length = float(np.linalg.norm(solution))
-        before, value = value, float(solution @ vector) / length**2
-        vector = solution / length
-        if abs(value - before) < 1e-4 * abs(value):
-            break
-    return value, vector
 
 
 def _load_rate(path: Walker, point: Point, before: Point, after: Point) -> float:

@@ -17,8 +17,9 @@ from kirigami.analysis.state import Point, State, Tangent
 from kirigami.analysis.walk import PathAnalysis
 from kirigami.constraints import AXES
 from kirigami.errors import ModelError
-from kirigami.model import Model, Node, require_finite
-from kirigami.results import Event, Step
+from kirigami.model import Model
+from kirigami.objects import Node, require_finite
+from kirigami.step import Event, Step
 from kirigami.system import System
 
 SMALLEST = 1e-7  # smallest increment, as a share of the whole range

@@ -27,9 +27,11 @@ from kirigami.analysis.state import Attempt, Point, State, Tangent
 from kirigami.errors import ConvergenceError, KirigamiWarning, ModelError
 from kirigami.kernel import Array
 from kirigami.linalg import Factor, SingularMatrixError
-from kirigami.model import Model, require_positive
+from kirigami.model import Model
+from kirigami.objects import require_positive
 from kirigami.recorders import progress_bar
-from kirigami.results import Event, Results, Step
+from kirigami.results import Results
+from kirigami.step import Event, Step
 from kirigami.system import System
 
 Recorder = Callable[[Step], None]

@@ -34,7 +34,7 @@ from kirigami.constraints import listed
 from kirigami.elements.bar import Bar
 from kirigami.errors import ModelError
 from kirigami.kernel import Array, Configuration, Contribution, Kernel
-from kirigami.model import ModelObject, Node, Numbering, require_finite, require_positive
+from kirigami.objects import ModelObject, Node, Numbering, require_finite, require_positive
 
 if TYPE_CHECKING:
     from kirigami.results import Results

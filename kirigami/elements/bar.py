@@ -24,7 +24,7 @@ from numpy.typing import NDArray
 
 from kirigami.errors import ModelError
 from kirigami.kernel import Array, Contribution, Kernel, displacement_of
-from kirigami.model import ModelObject, Node, Numbering, require_positive
+from kirigami.objects import ModelObject, Node, Numbering, require_positive
 
 STRAINS = ("green", "engineering")
 LAWS = ("linear", "ogden")

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from kirigami.elements.bend_hinge import BendHingeKernel
 from kirigami.errors import ModelError
 from kirigami.kernel import Array, Configuration, Contribution, Kernel, displacement_of, full_hessian
-from kirigami.model import Node, Numbering
+from kirigami.objects import Node, Numbering
 from kirigami.stiffness import hinge_stiffness
 
 

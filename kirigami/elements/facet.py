@@ -34,7 +34,7 @@ from kirigami.elements.triangle import (
 )
 from kirigami.errors import ModelError
 from kirigami.kernel import Array, Contribution, Kernel, displacement_of, full_hessian
-from kirigami.model import Material, ModelObject, Node, Numbering, require_positive
+from kirigami.objects import Material, ModelObject, Node, Numbering, require_positive
 
 
 @dataclass(frozen=True, slots=True, eq=False)

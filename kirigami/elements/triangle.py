@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from kirigami.errors import ModelError
 from kirigami.kernel import Array
-from kirigami.model import Numbering
+from kirigami.objects import Numbering
 
 DEGENERATE = 1e-10  # least height of a facet over its longest edge
 STARTS, ENDS = (1, 2, 0), (2, 0, 1)  # corners that edge c leaves from and goes to

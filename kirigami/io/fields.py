@@ -6,7 +6,8 @@ import numpy as np
 
 from kirigami.errors import AnalysisError
 from kirigami.kernel import Array, Configuration, Kernel, hessian_product
-from kirigami.results import Results, Step
+from kirigami.results import Results
+from kirigami.step import Step
 
 
 def facet_strain(results: Results) -> Array:

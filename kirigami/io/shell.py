@@ -15,7 +15,8 @@ from kirigami.elements.bend_hinge import BendHinge
 from kirigami.errors import ModelError
 from kirigami.kernel import Array
 from kirigami.loads import NodalLoad
-from kirigami.model import Material, Model
+from kirigami.model import Model
+from kirigami.objects import Material
 
 
 @dataclass(eq=False)

@@ -15,7 +15,7 @@ from kirigami.constraints import AXES, Prescribe
 from kirigami.errors import AnalysisError
 from kirigami.io.files import library, whole_file
 from kirigami.kernel import Array
-from kirigami.model import Node
+from kirigami.objects import Node
 from kirigami.results import Results
 
 Nodes = Node | int | Iterable[Node | int]

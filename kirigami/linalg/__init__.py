@@ -13,7 +13,7 @@ from typing import Any
 
 from kirigami.errors import AnalysisError
 from kirigami.linalg.checked import Factor, SingularMatrixError, Solver
-from kirigami.linalg.eigenpairs import smallest_eigenpairs
+from kirigami.linalg.eigenpairs import inverse_iteration, smallest_eigenpairs
 from kirigami.linalg.multifrontal import Multifrontal
 from kirigami.linalg.rslab_solver import Rslab
 from kirigami.linalg.superlu import SuperLU
@@ -27,6 +27,7 @@ __all__ = [
     "Solver",
     "SuperLU",
     "factorize",
+    "inverse_iteration",
     "make_solver",
     "smallest_eigenpairs",
 ]

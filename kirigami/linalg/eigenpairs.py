@@ -1,4 +1,4 @@
-"""Eigenpairs of large symmetric problems by shift and invert."""
+"""Eigenpairs of large symmetric problems by shift and invert, and the one nearest to zero by inverse iteration."""
 
 from __future__ import annotations
 
@@ -32,3 +32,22 @@ def smallest_eigenpairs(
     )
     order = np.argsort(values)
     return values[order], vectors[:, order]
+
+
+def inverse_iteration(factor: Factor, size: int, rounds: int, settled: float = 0.0) -> tuple[float, Array]:
+    """Eigenvalue nearest to zero of a factorised matrix, and its vector (size,) of unit length.
+
+    It ends after so many rounds, or once the eigenvalue changes by less than the share `settled`; the start is always
+    the same.
+    """
+    vector = np.random.default_rng(0).normal(size=size)
+    vector /= np.linalg.norm(vector)
+    value = float("inf")
+    for _ in range(rounds):
+        solution = factor.solve(vector)
+        length = float(np.linalg.norm(solution))
+        before, value = value, float(solution @ vector) / length**2
+        vector = solution / length
+        if abs(value - before) < settled * abs(value):
+            break
+    return value, vector

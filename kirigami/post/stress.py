@@ -31,7 +31,7 @@ from kirigami.post.curvature import FLAT, curvature
 
 if TYPE_CHECKING:
     from kirigami.geometry.mesh import TriMesh
-    from kirigami.model import Material
+    from kirigami.objects import Material
     from kirigami.results import Results
 
 Floats = NDArray[np.float64]

@@ -16,7 +16,8 @@ import numpy as np
 from kirigami.analysis.path import DisplacementControl
 from kirigami.errors import ModelError
 from kirigami.kernel import Array
-from kirigami.model import Model, Node, require_positive
+from kirigami.model import Model
+from kirigami.objects import Node, require_positive
 from kirigami.results import Results
 from kirigami.stiffness import RUNGS
 from kirigami.sweep import Sweep

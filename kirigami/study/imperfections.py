@@ -20,7 +20,8 @@ from kirigami.analysis.path import DisplacementControl
 from kirigami.analysis.walk import PathAnalysis
 from kirigami.errors import KirigamiError, KirigamiWarning, ModelError
 from kirigami.kernel import Array
-from kirigami.model import Model, require_positive
+from kirigami.model import Model
+from kirigami.objects import require_positive
 from kirigami.results import Results
 from kirigami.study.shapes import FLAT, ShapeSpace
 

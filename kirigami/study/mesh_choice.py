@@ -16,7 +16,7 @@ import numpy as np
 from kirigami.analysis.path import DisplacementControl
 from kirigami.errors import AnalysisError, ModelError
 from kirigami.kernel import Array
-from kirigami.model import Node, require_positive
+from kirigami.objects import Node, require_positive
 from kirigami.results import Results
 from kirigami.stiffness import RUNGS
 from kirigami.study.accuracy import QUANTITIES, Case, quantities

@@ -8,7 +8,7 @@ import numpy as np
 
 from kirigami.errors import GeometryError
 from kirigami.kernel import Array
-from kirigami.model import require_finite, require_positive
+from kirigami.objects import require_finite, require_positive
 from kirigami.tilings.tiling import Tiling
 
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from kirigami.kernel import Array
-from kirigami.model import require_positive
+from kirigami.objects import require_positive
 
 
 @dataclass(frozen=True)

@@ -17,7 +17,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from kirigami.errors import GeometryError, ModelError
 from kirigami.kernel import Array
-from kirigami.model import require_finite, require_positive
+from kirigami.objects import require_finite, require_positive
 from kirigami.tilings.panel import Ligament, braces
 
 if TYPE_CHECKING:
@@ -336,7 +336,8 @@ class Tiling:
         """
         from kirigami.elements.bar import Bar
         from kirigami.elements.torsion_spring import TorsionSpring3
-        from kirigami.model import Model, Node
+        from kirigami.model import Model
+        from kirigami.objects import Node
 
         if springs not in ("one", "both"):
             raise ModelError(f"springs {springs!r} is unknown: use 'one' or 'both'")

@@ -1,0 +1,123 @@
+"""Unknowns of a constrained model: which displacements are free, tied, driven or held."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from kirigami.assembly import Index
+from kirigami.constraints import AXES
+from kirigami.errors import ModelError
+from kirigami.kernel import Array
+from kirigami.objects import Numbering
+
+
+class Unknowns:
+    """The map between unknowns q and displacements, u = T q + lam * drive + held, where T only picks.
+
+    Ties are resolved into a leader and an offset for each displacement, so that several may pick the same unknown.
+    """
+
+    def __init__(self, numbering: Numbering) -> None:
+        self.dim = numbering.dim
+        self.rest = numbering.rest
+        dofs = self.rest.size
+        leader = np.arange(dofs)
+        fixed = np.zeros(dofs, dtype=bool)
+        drive, held = np.zeros(dofs), np.zeros(dofs)
+        owner: Index = np.full(dofs, -1)
+        constraints = numbering.model.constraints
+        for position, item in enumerate(constraints):
+            nodes = numbering.index(item.group)
+            leaders = numbering.index(item.leaders)
+            axes = [axis for axis in item.values if AXES.index(axis) < self.dim]
+            if not axes:
+                raise ModelError(f"{item!r} constrains only z, but the model has dim=2")
+            for axis in axes:
+                at = nodes * self.dim + AXES.index(axis)
+                self._check_conflict(at, axis, item, owner, constraints, numbering)
+                owner[at] = position
+                (held if item.constant else drive)[at] = item.values[axis]
+                if item.leaders:
+                    leader[at] = leaders * self.dim + AXES.index(axis)
+                else:
+                    fixed[at] = True
+            if item.clamp:  # the normals of clamped nodes keep their direction: their tips move along
+                base, tip = numbering.model.normals
+                of_group = np.isin(base, nodes)
+                for axis_number in range(self.dim):
+                    leader[tip[of_group] * self.dim + axis_number] = base[of_group] * self.dim + axis_number
+        for _ in range(dofs):
+            following = np.flatnonzero(leader[leader] != leader)
+            if not following.size:
+                break
+            ahead = leader[following]
+            drive[following] += drive[ahead]
+            held[following] += held[ahead]
+            leader[following] = leader[ahead]
+            if np.any(leader[following] == following):
+                dof = int(following[leader[following] == following][0])
+                node = numbering.model.nodes[dof // self.dim]
+                axis = AXES[dof % self.dim]
+                raise ModelError(f"ties go round in a circle at {numbering.describe(node)} along {axis}")
+        tied = np.flatnonzero(leader != np.arange(dofs))
+        drive[tied] += drive[leader[tied]]
+        held[tied] += held[leader[tied]]
+        fixed |= fixed[leader]
+        unknown = np.full(dofs, -1)
+        heads = np.flatnonzero(~fixed & (leader == np.arange(dofs)))
+        unknown[heads] = np.arange(heads.size)
+        self.unknown: Index = np.where(fixed, -1, unknown[leader])  # unknown of each displacement, -1 where known
+        self.heads = heads
+        self.leader = leader  # the displacement that each one follows, itself where it is not tied
+        self.free = int(heads.size)
+        self.drive = drive
+        self.held = held
+        self.constrained = owner.reshape(-1, self.dim) >= 0
+
+    @staticmethod
+    def _check_conflict(
+        at: Index, axis: str, item: Any, owner: Index, constraints: list[Any], numbering: Numbering
+    ) -> None:
+        clash = at[owner[at] >= 0]
+        if clash.size:
+            node = numbering.model.nodes[int(clash[0]) // numbering.dim]
+            raise ModelError(
+                f"{item!r} and {constraints[int(owner[clash[0]])]!r} both constrain {axis} of "
+                f"{numbering.describe(node)} ({clash.size} such in all): constrain each displacement once"
+            )
+        values, counts = np.unique(at, return_counts=True)
+        if np.any(counts > 1):
+            node = numbering.model.nodes[int(values[counts > 1][0]) // numbering.dim]
+            raise ModelError(f"{item!r} lists {numbering.describe(node)} twice")
+
+    def displacement(self, q: Array, lam: float) -> Array:
+        """Displacements (n, dim) for unknowns `q` (free,) at load factor `lam`."""
+        u: Array = lam * self.drive + self.held
+        moving = self.unknown >= 0
+        u[moving] += q[self.unknown[moving]]
+        return u.reshape(self.rest.shape)
+
+    def unknowns(self, u: Array) -> Array:
+        """Unknowns (free,) of displacements `u` (n, dim or 3)."""
+        flat = np.asarray(u, dtype=float)[:, : self.dim].ravel()
+        q: Array = flat[self.heads].copy()
+        return q
+
+    def constraint_error(self, u: Array, lam: float) -> float:
+        """Largest violation [length] of the constraints by displacements `u` (n, dim or 3)."""
+        expected = self.displacement(self.unknowns(u), lam)
+        return float(np.abs(np.asarray(u)[:, : self.dim] - expected).max(initial=0.0))
+
+    def start_stage(self, u: Array) -> None:
+        """Let a new stage begin at displacements `u`: what the constraints have elsewhere at load factor 0 is brought
+        to its place in proportion to the load factor."""
+        ahead = (np.asarray(u)[:, : self.dim] - self.displacement(self.unknowns(u), 0.0)).ravel()
+        self.held = self.held + ahead
+        self.drive = self.drive - ahead
+
+    def reduce(self, full: Array) -> Array:
+        """Sum a force-like field (n, dim) onto the unknowns (free,)."""
+        moving = self.unknown >= 0
+        return np.asarray(np.bincount(self.unknown[moving], full.ravel()[moving], self.free), dtype=float)
