@@ -63,7 +63,7 @@ def add_blocks(kernel: Any, x: Configuration, slots: Index, blocks: Array) -> No
 
 
 def complete(plan: BlockPlan, blocks: Array) -> None:
-    """See :meth:`BlockPlan.complete`."""
+    """See :meth:`BlockPlan.complete`; here the blocks come as (blocks, 3, 3)."""
     from kirigami import compiled_loops
 
     compiled_loops.complete(plan.low, plan.high, plan.own, blocks)

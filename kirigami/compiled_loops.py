@@ -196,14 +196,17 @@ def hinge_blocks(  # type: ignore[no-untyped-def]
 @compiled
 def complete(low, high, own, blocks):  # type: ignore[no-untyped-def]
     """Fill in the block of each node with itself; see BlockPlan.complete."""
-    for a in range(3):
-        for b in range(a + 1):
-            for k in range(len(low)):
-                if low[k] != high[k]:
-                    blocks[a, b, own[low[k]]] -= blocks[a, b, k]
-                    blocks[a, b, own[high[k]]] -= blocks[b, a, k]
-            for first in own:
-                blocks[b, a, first] = blocks[a, b, first]
+    for k in range(len(low)):
+        if low[k] != high[k]:
+            first, second = own[low[k]], own[high[k]]
+            for a in range(3):
+                for b in range(a + 1):
+                    blocks[first, a, b] -= blocks[k, a, b]
+                    blocks[second, a, b] -= blocks[k, b, a]
+    for first in own:
+        for a in range(3):
+            for b in range(a):
+                blocks[first, b, a] = blocks[first, a, b]
 
 
 @compiled

@@ -217,27 +217,36 @@ class System(Unknowns):
         plan = self.plan
         with self.clock("assembly"):
             blocks = np.zeros((self.dim, self.dim, plan.count))
-        groups = [group for group in zip(self.kernels, plan.slots, self.compiled) if group[0].pairs != ()]
-        if any(self.compiled):
-            by_loops = np.zeros((plan.count, self.dim, self.dim))
-            for kernel, slots, fast in groups:
-                if fast:
-                    with self.clock(f"{kernel.name} (compiled)"):
-                        compiled.add_blocks(kernel, x, slots, by_loops)
-            with self.clock("assembly"):
-                blocks += by_loops.transpose(1, 2, 0)
+        plain = [
+            (kernel, slots)
+            for kernel, slots, fast in zip(self.kernels, plan.slots, self.compiled)
+            if not fast and kernel.pairs != ()
+        ]
         for invariant in (True, False):
-            for kernel, slots, fast in groups:
-                if kernel.translation_invariant is invariant and not fast:
-                    with self.clock(kernel.name):
-                        hessian = kernel.evaluate(x, lam, 2).hessian
-                    assert hessian is not None
-                    with self.clock("assembly"):
-                        plan.add(blocks, kernel, slots, hessian)
-            if invariant and any(kernel.translation_invariant for kernel in self.kernels):
+            group = [(kernel, slots) for kernel, slots in plain if kernel.translation_invariant is invariant]
+            for kernel, slots in group:
+                with self.clock(kernel.name):
+                    hessian = kernel.evaluate(x, lam, 2).hessian
+                assert hessian is not None
                 with self.clock("assembly"):
-                    (compiled.complete if any(self.compiled) else BlockPlan.complete)(plan, blocks)
+                    plan.add(blocks, kernel, slots, hessian)
+            if invariant and group:
+                with self.clock("assembly"):
+                    plan.complete(blocks)
+        if any(self.compiled):
+            self._add_compiled(x, blocks)
         return blocks
+
+    def _add_compiled(self, x: Configuration, blocks: Array) -> None:
+        """Add the Hessians of the kernels that compiled loops serve, all of them translation invariant."""
+        gathered = np.zeros((self.plan.count, self.dim, self.dim))
+        for kernel, slots, fast in zip(self.kernels, self.plan.slots, self.compiled):
+            if fast:
+                with self.clock(f"{kernel.name} (compiled)"):
+                    compiled.add_blocks(kernel, x, slots, gathered)
+        with self.clock("assembly"):
+            compiled.complete(self.plan, gathered)
+            blocks += gathered.transpose(1, 2, 0)
 
     def matrix(self, blocks: Array) -> Any:
         """Reduced stiffness matrix, scipy CSC (free, free), of assembled blocks."""

@@ -26,7 +26,7 @@ from kirigami.analysis.newton import correct
 from kirigami.analysis.state import Attempt, Point, State, Tangent
 from kirigami.errors import ConvergenceError, KirigamiWarning, ModelError
 from kirigami.kernel import Array
-from kirigami.linalg import Factor, SingularMatrixError
+from kirigami.linalg import Factor, SingularMatrixError, one_thread
 from kirigami.model import Model
 from kirigami.objects import require_positive
 from kirigami.recorders import progress_bar
@@ -148,7 +148,7 @@ class PathAnalysis(Analysis):
         if checkpoint is not None:
             self._checkpoint = Checkpoint(checkpoint, fingerprint(system, settings_of(self)))
             stored = self._checkpoint.read() if resume else None
-        with progress_bar(progress, type(self).__name__) as self._bar:
+        with one_thread(), progress_bar(progress, type(self).__name__) as self._bar:
             try:
                 self._walk(stored)
             except KeyboardInterrupt:

@@ -17,6 +17,7 @@ from kirigami.linalg.eigenpairs import inverse_iteration, smallest_eigenpairs
 from kirigami.linalg.multifrontal import Multifrontal
 from kirigami.linalg.rslab_solver import Rslab
 from kirigami.linalg.superlu import SuperLU
+from kirigami.linalg.threads import one_thread
 
 __all__ = [
     "BACKENDS",
@@ -29,6 +30,7 @@ __all__ = [
     "factorize",
     "inverse_iteration",
     "make_solver",
+    "one_thread",
     "smallest_eigenpairs",
 ]
 

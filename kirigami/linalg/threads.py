@@ -1,4 +1,5 @@
-"""One thread for dense blocks: on fronts of some hundred rows a second one gains nothing, and waits by spinning."""
+"""One thread of BLAS: on blocks of some hundred rows and on dot products a second one gains nothing, and waits by
+spinning. Factorisations ask for it, and path analyses for all that they do between them."""
 
 from __future__ import annotations
 
