@@ -16,7 +16,20 @@ from kirigami.errors import AnalysisError
 from kirigami.results import Results
 from kirigami.step import Event, Step
 
-FORMAT = 2  # version of the results file
+FORMAT = 3  # version of the results file; formats 1 and 2 are read as well
+
+# Where the kernel classes of results files live, so that code can move without orphaning a file.
+KERNELS = {
+    "AngleLimitKernel": "effects.angle_limit",
+    "BarKernel": "elements.bar",
+    "BendHingeKernel": "elements.bend_hinge",
+    "ClampHingeKernel": "elements.clamp_hinge",
+    "ContactKernel": "effects.contact",
+    "CurvedFacetKernel": "elements.curved_facet",
+    "FacetKernel": "elements.facet",
+    "NodalLoadKernel": "loads",
+    "TorsionSpring3Kernel": "elements.torsion_spring",
+}
 
 
 def save(results: Results, path: str | os.PathLike[str]) -> Path:
@@ -35,7 +48,7 @@ def pack(results: Results, with_kernels: bool = True) -> dict[str, Any]:
                 arrays[f"kernel{position}.{key}"] = value
             else:
                 plain[key] = value
-        kernels.append({"module": type(kernel).__module__, "class": type(kernel).__name__, "values": plain})
+        kernels.append({"class": type(kernel).__name__, "values": plain})
     # Located points of events are steps as well, kept behind those of the path.
     located = [event.located for event in results.events if event.located is not None]
     steps = [*results.steps, *located]
@@ -102,8 +115,8 @@ def read(path: str | os.PathLike[str]) -> tuple[dict[str, Any], dict[str, Any]]:
         raise AnalysisError(f"no results file at {path}") from None
     except (OSError, ValueError, KeyError, EOFError, TypeError, zipfile.BadZipFile, zlib.error) as error:
         raise AnalysisError(f"{path} is not a results file of this package, or it is damaged ({error})") from None
-    if version != FORMAT:
-        raise AnalysisError(f"{path} has file format {version}, this version of kirigami reads format {FORMAT}")
+    if version not in range(1, FORMAT + 1):
+        raise AnalysisError(f"{path} has file format {version!r}, this version of kirigami reads formats 1 to {FORMAT}")
     return head, data
 
 
@@ -158,13 +171,13 @@ def _rebuild(head: dict[str, Any], data: dict[str, Any]) -> Results:
     for position, entry in enumerate(head["kernels"]):
         prefix = f"kernel{position}."
         values = {key[len(prefix) :]: value for key, value in data.items() if key.startswith(prefix)}
-        if entry["module"].split(".")[0] != "kirigami":
+        if entry["class"] not in KERNELS:
             raise AnalysisError(
-                f"the results hold a kernel of {entry['module']}, which this package does not import from a file"
+                f"the results hold a {entry['class']}, which is no kernel of this package: only those are read from files"
             )
-        cls = getattr(importlib.import_module(entry["module"]), entry["class"])
+        cls = getattr(importlib.import_module(f"kirigami.{KERNELS[entry['class']]}"), entry["class"])
         results.kernels.append(cls(rest, **values, **entry["values"]))
-    results.steps, results.events = unpack_path(head, data)
+    results.steps, results.events = (_unpack_format_1 if head["format"] == 1 else unpack_path)(head, data)
     if head["mesh"] is not None:
         from kirigami.geometry.mesh import CutLoop, TriMesh
 
@@ -199,3 +212,21 @@ def unpack_path(head: dict[str, Any], data: dict[str, Any]) -> tuple[list[Step],
         for position, (kind, lam, step, message, bracket, found) in enumerate(head["events"])
     ]  # fmt: skip
     return steps[: head["count"]], events
+
+
+def _unpack_format_1(head: dict[str, Any], data: dict[str, Any]) -> tuple[list[Step], list[Event]]:
+    """The steps and events of a file of format 1, which kept displacements of a located event and nothing else of it."""
+    steps = []
+    for index, (negative, residual, over_reaction, iterations, stage) in enumerate(head["steps"]):
+        history = tuple(
+            data[f"history{position}"][index] if f"history{position}" in data else None
+            for position in range(len(head["kernels"]))
+        )
+        lam, u = float(data["lam"][index]), data["u"][index]
+        steps.append(Step(lam, u, negative, residual, over_reaction, iterations, history, stage))
+    events = []
+    for position, (kind, lam, step, message, bracket) in enumerate(head["events"]):
+        u = data.get(f"event{position}")
+        located = None if u is None else Step(lam, u, stage=steps[0].stage if steps else 0)
+        events.append(Event(kind, lam, step, message, (bracket[0], bracket[1]), located))
+    return steps, events
