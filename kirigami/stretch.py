@@ -15,8 +15,8 @@ import numpy as np
 import kirigami as kg
 from kirigami import units
 from kirigami.errors import AnalysisError, KirigamiError, KirigamiWarning, ModelError
+from kirigami.files import whole_file
 from kirigami.io.convert import edge_for, read_drawing
-from kirigami.io.files import whole_file
 
 if TYPE_CHECKING:
     from kirigami.io.drawing import Drawing

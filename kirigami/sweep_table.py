@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kirigami.errors import AnalysisError, ModelError
-from kirigami.io.files import whole_file
+from kirigami.files import whole_file
 
 RESERVED = ("design", "status", "error", "seconds", "version")
 Row = dict[str, Any]

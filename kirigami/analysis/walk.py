@@ -29,7 +29,7 @@ from kirigami.kernel import Array
 from kirigami.linalg import Factor, SingularMatrixError, one_thread
 from kirigami.model import Model
 from kirigami.objects import require_positive
-from kirigami.recorders import progress_bar
+from kirigami.progress import progress_bar
 from kirigami.results import Results
 from kirigami.step import Event, Step
 from kirigami.system import System

@@ -121,7 +121,7 @@ def write_demo(options: argparse.Namespace, model: kg.Model, results: kg.Results
     """Write the files of the demo; returns their paths."""
     import matplotlib
 
-    from kirigami.recorders import progress_bar
+    from kirigami.progress import progress_bar
 
     matplotlib.use("Agg")  # files only: no window, no display needed
     folder: Path = options.folder

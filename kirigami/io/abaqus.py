@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kirigami.errors import ModelError
-from kirigami.io.files import whole_file
+from kirigami.files import whole_file
 from kirigami.io.shell import Shell, checked_targets, shell_of
 from kirigami.kernel import Array
 from kirigami.model import Model

@@ -14,7 +14,7 @@ import numpy as np
 import kirigami as kg
 from kirigami import units
 from kirigami.errors import GeometryError
-from kirigami.io.files import library, whole_file
+from kirigami.files import library, whole_file
 
 if TYPE_CHECKING:
     from kirigami.io.drawing import Drawing

@@ -14,10 +14,10 @@ import numpy as np
 import shapely
 
 from kirigami.errors import GeometryError
+from kirigami.files import whole_file
 from kirigami.geometry.mesh import TriMesh
 from kirigami.io.drawing import Curve, Drawing, Names, Roles, assemble, scale_of, scaled
 from kirigami.io.dxf import layered
-from kirigami.io.files import whole_file
 from kirigami.io.geojson import read_json
 from kirigami.results import Results
 

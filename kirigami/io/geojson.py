@@ -13,8 +13,8 @@ import shapely
 from shapely.geometry import mapping, shape
 
 from kirigami.errors import GeometryError
+from kirigami.files import whole_file
 from kirigami.io.drawing import Curve, Drawing, Names, Roles, assemble, scale_of, scaled
-from kirigami.io.files import whole_file
 
 ROLE_KEYS = ("role", "layer", "Layer", "name")  # the property of a feature that names its layer, first match
 

@@ -16,8 +16,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kirigami.errors import AnalysisError, ModelError
+from kirigami.files import library, whole_file
 from kirigami.io.fields import energy_density, facet_strain
-from kirigami.io.files import library, whole_file
 from kirigami.io.table import Nodes, curves
 from kirigami.kernel import Array
 from kirigami.results import Results

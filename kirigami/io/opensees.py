@@ -13,7 +13,7 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
 from kirigami.errors import ModelError
-from kirigami.io.files import whole_file
+from kirigami.files import whole_file
 from kirigami.io.shell import checked_targets, shell_of
 from kirigami.model import Model
 

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from kirigami.errors import AnalysisError, ModelError
-from kirigami.io.files import library, whole_file
+from kirigami.files import library, whole_file
 from kirigami.results import Results
 
 ENDINGS = (".stl", ".obj", ".ply", ".glb", ".gltf")

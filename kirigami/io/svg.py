@@ -17,6 +17,7 @@ import numpy as np
 import shapely
 
 from kirigami.errors import GeometryError, KirigamiWarning
+from kirigami.files import library, whole_file
 from kirigami.io.drawing import (
     Curve,
     Drawing,
@@ -30,7 +31,6 @@ from kirigami.io.drawing import (
     scaled,
 )
 from kirigami.io.dxf import layered
-from kirigami.io.files import library, whole_file
 from kirigami.units import METRES, metres_per
 
 LABEL = "{http://www.inkscape.org/namespaces/inkscape}label"

@@ -13,7 +13,7 @@ import numpy as np
 
 from kirigami.constraints import AXES, Prescribe
 from kirigami.errors import AnalysisError
-from kirigami.io.files import library, whole_file
+from kirigami.files import library, whole_file
 from kirigami.kernel import Array
 from kirigami.objects import Node
 from kirigami.results import Results

@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 
 from kirigami.errors import AnalysisError
+from kirigami.files import library, whole_file
 from kirigami.io.fields import energy_density, facet_strain
-from kirigami.io.files import library, whole_file
 from kirigami.results import Results
 
 

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from kirigami.errors import ModelError
-from kirigami.io.files import library, whole_file
+from kirigami.files import library, whole_file
 from kirigami.plot import style
 from kirigami.plot.deformed import Field, Picture, chosen_view, displaced, frame, suitable_axes
 

@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 import kirigami as kg
+from kirigami.files import library, whole_file
 from kirigami.io.fields import energy_density, facet_strain, nodal_energy
-from kirigami.io.files import library, whole_file
 from kirigami.io.table import curves, to_csv, to_xarray
 from kirigami.io.vtk import write_vtk
 
