@@ -19,8 +19,8 @@ import numpy as np
 import shapely
 
 import kirigami as kg
-from kirigami.kernel import displacement_of
-from kirigami.objects import ModelObject, Numbering
+from kirigami.primitives.kernel import displacement_of
+from kirigami.primitives.parts import ModelObject, Numbering
 
 RUNGS = ("paper", "plate", "facet", "split")
 E, NU, THICKNESS = 1e6, 0.34, 0.02

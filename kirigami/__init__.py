@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING, Any
 __version__ = "0.1.0"
 
 _HOME = {
-    "Material": "objects",
-    "Node": "objects",
+    "Material": "primitives.parts",
+    "Node": "primitives.parts",
     "Model": "model",
     "Bar": "elements.bar",
     "BendHinge": "elements.bend_hinge",
@@ -26,9 +26,9 @@ _HOME = {
     "NodalLoad": "loads",
     "Calibration": "stiffness",
     "System": "system",
-    "Kernel": "kernel",
-    "Contribution": "kernel",
-    "check_kernel": "kernel",
+    "Kernel": "primitives.kernel",
+    "Contribution": "primitives.kernel",
+    "check_kernel": "primitives.kernel",
     "Sheet": "geometry.sheet",
     "TriMesh": "geometry.mesh",
     "LinearStatic": "analysis.linear",
@@ -102,15 +102,15 @@ if TYPE_CHECKING:
     from kirigami.geometry import cuts as cuts
     from kirigami.geometry.mesh import TriMesh as TriMesh
     from kirigami.geometry.sheet import Sheet as Sheet
-    from kirigami.kernel import Contribution as Contribution
-    from kirigami.kernel import Kernel as Kernel
-    from kirigami.kernel import check_kernel as check_kernel
     from kirigami.loads import NodalLoad as NodalLoad
     from kirigami.model import Model as Model
     from kirigami.normal import Normal as Normal
-    from kirigami.objects import Material as Material
-    from kirigami.objects import Node as Node
     from kirigami.periodic import PeriodicCell as PeriodicCell
+    from kirigami.primitives.kernel import Contribution as Contribution
+    from kirigami.primitives.kernel import Kernel as Kernel
+    from kirigami.primitives.kernel import check_kernel as check_kernel
+    from kirigami.primitives.parts import Material as Material
+    from kirigami.primitives.parts import Node as Node
     from kirigami.results import Results as Results
     from kirigami.sampling import latin_hypercube as latin_hypercube
     from kirigami.step import Event as Event

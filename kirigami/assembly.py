@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from kirigami.kernel import Array, Kernel
+from kirigami.primitives.kernel import Array, Kernel
 
 Index = NDArray[np.int64]
 

@@ -17,7 +17,7 @@ from numpy.typing import ArrayLike
 
 from kirigami.errors import ModelError
 from kirigami.framework import RANK, Framework
-from kirigami.kernel import Array
+from kirigami.primitives.kernel import Array
 
 TURN = 2 * math.pi
 

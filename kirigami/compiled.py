@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from kirigami.assembly import BlockPlan, Index
-from kirigami.kernel import Array, Configuration, Kernel
+from kirigami.primitives.kernel import Array, Configuration, Kernel
 
 if TYPE_CHECKING:
     from kirigami.elements.bar import BarKernel

@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from kirigami.errors import ModelError
-from kirigami.kernel import Array, Kernel
-from kirigami.objects import ModelObject, Node, Numbering
+from kirigami.primitives.kernel import Array, Kernel
+from kirigami.primitives.parts import ModelObject, Node, Numbering
 
 AXES = "xyz"
 

@@ -16,9 +16,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kirigami.errors import ModelError
-from kirigami.kernel import Array, Configuration, Kernel, full_hessian
 from kirigami.model import Model
-from kirigami.objects import Material
+from kirigami.primitives.kernel import Array, Configuration, Kernel, full_hessian
+from kirigami.primitives.parts import Material
 from kirigami.stiffness import Calibration
 from kirigami.system import System
 

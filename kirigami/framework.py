@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from kirigami.errors import AnalysisError, ModelError
-from kirigami.kernel import Array
+from kirigami.primitives.kernel import Array
 
 if TYPE_CHECKING:
     from kirigami.model import Model

@@ -11,8 +11,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from kirigami.constraints import listed
 from kirigami.errors import ModelError
-from kirigami.kernel import Array, Contribution, Kernel, displacement_of
-from kirigami.objects import ModelObject, Node, Numbering
+from kirigami.primitives.kernel import Array, Contribution, Kernel, displacement_of
+from kirigami.primitives.parts import ModelObject, Node, Numbering
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)

@@ -8,8 +8,8 @@ import numpy as np
 
 from kirigami.constraints import AXES
 from kirigami.errors import MechanismError
-from kirigami.kernel import Array, full_hessian
 from kirigami.linalg import Factor, SingularMatrixError, factorize
+from kirigami.primitives.kernel import Array, full_hessian
 
 if TYPE_CHECKING:
     from kirigami.assembly import Index

@@ -11,13 +11,13 @@ from numpy.typing import ArrayLike, NDArray
 
 from kirigami.errors import GeometryError, ModelError
 from kirigami.file_methods import ModelFiles
-from kirigami.objects import Material, ModelObject, Node, require_finite
+from kirigami.primitives.parts import Material, ModelObject, Node, require_finite
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
     from kirigami.geometry.mesh import TriMesh
-    from kirigami.kernel import Array
+    from kirigami.primitives.kernel import Array
     from kirigami.step import Step
     from kirigami.stiffness import Calibration, SheetConstants
 

@@ -8,9 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kirigami.errors import ModelError
-from kirigami.kernel import Array
 from kirigami.model import Model
-from kirigami.objects import Node, require_positive
+from kirigami.primitives.kernel import Array
+from kirigami.primitives.parts import Node, require_positive
 
 
 class Normal(Node):

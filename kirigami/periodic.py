@@ -16,8 +16,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from kirigami.constraints import AXES, Fix, Tie
 from kirigami.errors import MechanismError, ModelError
-from kirigami.kernel import Array
 from kirigami.model import Model
+from kirigami.primitives.kernel import Array
 from kirigami.results import Results
 
 VOIGT = {1: [(0, 0)], 2: [(0, 0), (1, 1), (0, 1)], 3: [(0, 0), (1, 1), (2, 2), (1, 2), (0, 2), (0, 1)]}

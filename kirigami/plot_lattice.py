@@ -14,8 +14,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from kirigami.errors import ModelError
-from kirigami.kernel import Array
 from kirigami.plot.style import styled
+from kirigami.primitives.kernel import Array
 
 if TYPE_CHECKING:
     from kirigami.results import Results

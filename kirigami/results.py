@@ -14,9 +14,9 @@ from numpy.typing import NDArray
 from kirigami.constraints import AXES
 from kirigami.errors import AnalysisError, ModelError
 from kirigami.file_methods import ResultsFiles
-from kirigami.kernel import Array, Configuration, Kernel
 from kirigami.model import Model
-from kirigami.objects import Node
+from kirigami.primitives.kernel import Array, Configuration, Kernel
+from kirigami.primitives.parts import Node
 from kirigami.shape_methods import ResultsShape
 from kirigami.step import Event, Step
 
@@ -161,7 +161,7 @@ class Results(ResultsFiles, ResultsShape):
             target = np.zeros_like(rest)
             for kernel in self.kernels:
                 if self.linear:
-                    from kirigami.kernel import hessian_product
+                    from kirigami.primitives.kernel import hessian_product
 
                     at_start = kernel.evaluate(at_rest, step.lam, 2)
                     gradient = at_start.gradient
@@ -224,7 +224,7 @@ class Results(ResultsFiles, ResultsShape):
         return totals
 
     def _linear_energy(self, kernel: Kernel, step: Step) -> float:
-        from kirigami.kernel import hessian_product
+        from kirigami.primitives.kernel import hessian_product
 
         rest = self.rest[:, : self.dim]
         start = kernel.evaluate(Configuration(rest, np.zeros_like(rest)), step.lam, 2)

@@ -9,12 +9,12 @@ from typing import TYPE_CHECKING, Any, cast
 
 from numpy.typing import ArrayLike
 
-from kirigami.kernel import Array
+from kirigami.primitives.kernel import Array
 
 if TYPE_CHECKING:
     from kirigami.geometry.mesh import TriMesh
-    from kirigami.objects import Material
     from kirigami.post.stress import SheetStress
+    from kirigami.primitives.parts import Material
     from kirigami.results import Results
 
 

@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from kirigami.errors import ModelError
-from kirigami.kernel import Array
 from kirigami.model import Model
+from kirigami.primitives.kernel import Array
 
 
 @dataclass(frozen=True, eq=False, repr=False)

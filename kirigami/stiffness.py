@@ -28,8 +28,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from kirigami.errors import ModelError
-from kirigami.kernel import Array
-from kirigami.objects import Material, require_positive
+from kirigami.primitives.kernel import Array
+from kirigami.primitives.parts import Material, require_positive
 
 if TYPE_CHECKING:
     from kirigami.effective import EffectiveProperties

@@ -16,9 +16,9 @@ from kirigami import compiled
 from kirigami.assembly import BlockPlan, Index, PickPlan, scatter_add
 from kirigami.clock import Clock
 from kirigami.errors import MechanismError, ModelError
-from kirigami.kernel import Array, Configuration, Kernel
 from kirigami.model import Model
-from kirigami.objects import ModelObject, Numbering
+from kirigami.primitives.kernel import Array, Configuration, Kernel
+from kirigami.primitives.parts import ModelObject, Numbering
 from kirigami.unknowns import Unknowns
 
 ROUNDING = 2e-15  # strain or angle [rad] that rounding alone may leave in a member

@@ -9,8 +9,8 @@ import numpy as np
 from kirigami.assembly import Index
 from kirigami.constraints import AXES
 from kirigami.errors import ModelError
-from kirigami.kernel import Array
-from kirigami.objects import Numbering
+from kirigami.primitives.kernel import Array
+from kirigami.primitives.parts import Numbering
 
 
 class Unknowns:

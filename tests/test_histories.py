@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import kirigami as kg
-from kirigami.objects import ModelObject
+from kirigami.primitives.parts import ModelObject
 
 
 def cantilever_plate() -> tuple[kg.Model, list[kg.Node], list[kg.Node]]:

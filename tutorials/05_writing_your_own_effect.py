@@ -17,8 +17,8 @@ import numpy as np
 from scipy.optimize import brentq
 
 import kirigami as kg
-from kirigami.kernel import Array, Contribution, Kernel, displacement_of
-from kirigami.objects import ModelObject, Node, Numbering
+from kirigami.primitives.kernel import Array, Contribution, Kernel, displacement_of
+from kirigami.primitives.parts import ModelObject, Node, Numbering
 
 # %% [markdown]
 # ## The file

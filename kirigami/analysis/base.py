@@ -8,10 +8,10 @@ from typing import Any
 import numpy as np
 
 from kirigami.errors import ModelError
-from kirigami.kernel import Array
 from kirigami.linalg import Factor, SingularMatrixError, make_solver
 from kirigami.mechanism import check_floppy
 from kirigami.model import Model
+from kirigami.primitives.kernel import Array
 from kirigami.results import Results
 from kirigami.step import Step
 from kirigami.system import System

@@ -6,7 +6,7 @@ from typing import Protocol
 
 from kirigami.analysis.control import Control, ModeControl
 from kirigami.analysis.state import Attempt, Point, State, Tangent
-from kirigami.kernel import Array
+from kirigami.primitives.kernel import Array
 from kirigami.results import Results
 from kirigami.step import Event, Step
 from kirigami.system import System

@@ -10,9 +10,9 @@ from kirigami.analysis.base import Analysis, require_drive
 from kirigami.analysis.eigen import Modes
 from kirigami.analysis.events import nodal_shape
 from kirigami.errors import AnalysisError, ModelError
-from kirigami.kernel import Array
 from kirigami.linalg import Factor
 from kirigami.model import Model
+from kirigami.primitives.kernel import Array
 
 
 class Buckling(Analysis):

@@ -22,7 +22,7 @@ from kirigami.analysis.state import Attempt, Point, State
 from kirigami.errors import AnalysisError, ModelError
 from kirigami.linalg import SingularMatrixError
 from kirigami.model import Model
-from kirigami.objects import Node
+from kirigami.primitives.parts import Node
 from kirigami.results import Results
 from kirigami.step import Step
 from kirigami.storage import pack, read, unpack_path, write

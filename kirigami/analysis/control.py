@@ -9,8 +9,8 @@ import numpy as np
 from kirigami.analysis.state import Attempt, Point, State, Tangent
 from kirigami.constraints import AXES
 from kirigami.errors import ModelError
-from kirigami.kernel import Array
-from kirigami.objects import Node
+from kirigami.primitives.kernel import Array
+from kirigami.primitives.parts import Node
 from kirigami.system import System
 
 SHARPEST_TURN = 0.5  # cosine of the largest angle between the tangent of a step and its chord

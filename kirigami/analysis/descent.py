@@ -23,8 +23,8 @@ import numpy as np
 
 from kirigami.analysis.newton import ROTATION_CAP
 from kirigami.analysis.state import Attempt, State
-from kirigami.kernel import Array
 from kirigami.linalg import Factor, SingularMatrixError, inverse_iteration
+from kirigami.primitives.kernel import Array
 from kirigami.system import System
 
 CHORD_GAIN = 0.5  # a chord step must at least halve the residual to be kept

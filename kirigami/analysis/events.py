@@ -15,8 +15,8 @@ import numpy as np
 from kirigami.analysis.base import first_largest, make_step
 from kirigami.analysis.control import Control, LoadFactorControl
 from kirigami.analysis.state import Attempt, Point, Tangent
-from kirigami.kernel import Array
 from kirigami.linalg import SingularMatrixError, factorize, inverse_iteration
+from kirigami.primitives.kernel import Array
 from kirigami.results import Results
 from kirigami.step import Event
 from kirigami.system import System

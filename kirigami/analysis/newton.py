@@ -23,8 +23,8 @@ import numpy as np
 
 from kirigami.analysis.control import Control
 from kirigami.analysis.state import Attempt, State
-from kirigami.kernel import Array
 from kirigami.linalg import Factor, SingularMatrixError
+from kirigami.primitives.kernel import Array
 from kirigami.system import System
 
 ROTATION_CAP = 0.3  # largest turn of a member in one correction [rad]

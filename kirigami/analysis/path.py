@@ -18,7 +18,7 @@ from kirigami.analysis.walk import PathAnalysis
 from kirigami.constraints import AXES
 from kirigami.errors import ModelError
 from kirigami.model import Model
-from kirigami.objects import Node, require_finite
+from kirigami.primitives.parts import Node, require_finite
 from kirigami.step import Event, Step
 from kirigami.system import System
 

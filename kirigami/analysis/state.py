@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Any
 
-from kirigami.kernel import Array
 from kirigami.linalg import Factor
+from kirigami.primitives.kernel import Array
 
 
 @dataclass

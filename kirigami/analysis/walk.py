@@ -25,10 +25,10 @@ from kirigami.analysis.increments import Increments
 from kirigami.analysis.newton import correct
 from kirigami.analysis.state import Attempt, Point, State, Tangent
 from kirigami.errors import ConvergenceError, KirigamiWarning, ModelError
-from kirigami.kernel import Array
 from kirigami.linalg import Factor, SingularMatrixError, one_thread
 from kirigami.model import Model
-from kirigami.objects import require_positive
+from kirigami.primitives.kernel import Array
+from kirigami.primitives.parts import require_positive
 from kirigami.progress import progress_bar
 from kirigami.results import Results
 from kirigami.step import Event, Step

@@ -33,8 +33,8 @@ from numpy.typing import ArrayLike, NDArray
 from kirigami.constraints import listed
 from kirigami.elements.bar import Bar
 from kirigami.errors import ModelError
-from kirigami.kernel import Array, Configuration, Contribution, Kernel
-from kirigami.objects import ModelObject, Node, Numbering, require_finite, require_positive
+from kirigami.primitives.kernel import Array, Configuration, Contribution, Kernel
+from kirigami.primitives.parts import ModelObject, Node, Numbering, require_finite, require_positive
 
 if TYPE_CHECKING:
     from kirigami.results import Results

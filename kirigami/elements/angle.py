@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from kirigami.kernel import Array, Kernel
+from kirigami.primitives.kernel import Array, Kernel
 
 TURN = 2 * math.pi
 

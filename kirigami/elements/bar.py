@@ -23,8 +23,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kirigami.errors import ModelError
-from kirigami.kernel import Array, Contribution, Kernel, displacement_of
-from kirigami.objects import ModelObject, Node, Numbering, require_positive
+from kirigami.primitives.kernel import Array, Contribution, Kernel, displacement_of
+from kirigami.primitives.parts import ModelObject, Node, Numbering, require_positive
 
 STRAINS = ("green", "engineering")
 LAWS = ("linear", "ogden")

@@ -15,8 +15,8 @@ from numpy.typing import NDArray
 
 from kirigami.elements.bend_hinge import BendHingeKernel
 from kirigami.errors import ModelError
-from kirigami.kernel import Array, Configuration, Contribution, Kernel, displacement_of, full_hessian
-from kirigami.objects import Node, Numbering
+from kirigami.primitives.kernel import Array, Configuration, Contribution, Kernel, displacement_of, full_hessian
+from kirigami.primitives.parts import Node, Numbering
 from kirigami.stiffness import hinge_stiffness
 
 

@@ -44,9 +44,9 @@ from kirigami.elements.triangle import (
     without_compression,
 )
 from kirigami.errors import ModelError
-from kirigami.kernel import Array, Contribution, Kernel, displacement_of
 from kirigami.normal import Normal
-from kirigami.objects import Material, ModelObject, Node, Numbering, require_positive
+from kirigami.primitives.kernel import Array, Contribution, Kernel, displacement_of
+from kirigami.primitives.parts import Material, ModelObject, Node, Numbering, require_positive
 
 CHUNK = 512  # facets whose Hessians are made at a time, so that they stay in the processor's cache
 # End slopes are listed edge by edge: slope 2 c is at the start of edge c, slope 2 c + 1 at its end.

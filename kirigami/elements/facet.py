@@ -33,8 +33,8 @@ from kirigami.elements.triangle import (
     without_compression,
 )
 from kirigami.errors import ModelError
-from kirigami.kernel import Array, Contribution, Kernel, displacement_of, full_hessian
-from kirigami.objects import Material, ModelObject, Node, Numbering, require_positive
+from kirigami.primitives.kernel import Array, Contribution, Kernel, displacement_of, full_hessian
+from kirigami.primitives.parts import Material, ModelObject, Node, Numbering, require_positive
 
 
 @dataclass(frozen=True, slots=True, eq=False)

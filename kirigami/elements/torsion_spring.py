@@ -21,8 +21,8 @@ from numpy.typing import NDArray
 
 from kirigami.elements.angle import TURN, AngleKernel
 from kirigami.errors import ModelError
-from kirigami.kernel import Array, Contribution, Kernel, displacement_of
-from kirigami.objects import ModelObject, Node, Numbering, require_finite, require_positive
+from kirigami.primitives.kernel import Array, Contribution, Kernel, displacement_of
+from kirigami.primitives.parts import ModelObject, Node, Numbering, require_finite, require_positive
 
 
 @dataclass(frozen=True, slots=True, eq=False)

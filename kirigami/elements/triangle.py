@@ -11,8 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kirigami.errors import ModelError
-from kirigami.kernel import Array
-from kirigami.objects import Numbering
+from kirigami.primitives.kernel import Array
+from kirigami.primitives.parts import Numbering
 
 DEGENERATE = 1e-10  # least height of a facet over its longest edge
 STARTS, ENDS = (1, 2, 0), (2, 0, 1)  # corners that edge c leaves from and goes to

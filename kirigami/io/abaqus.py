@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 from kirigami.errors import ModelError
 from kirigami.files import whole_file
 from kirigami.io.shell import Shell, checked_targets, shell_of
-from kirigami.kernel import Array
 from kirigami.model import Model
+from kirigami.primitives.kernel import Array
 
 NODES_OF = {"S3": 3, "STRI3": 3, "S6": 6, "STRI65": 6}
 

@@ -18,7 +18,7 @@ from kirigami.units import metres_per
 
 if TYPE_CHECKING:
     from kirigami.geometry.sheet import Sheet
-    from kirigami.objects import Material
+    from kirigami.primitives.parts import Material
 
 Floats = NDArray[np.float64]
 Names = str | Iterable[str] | None

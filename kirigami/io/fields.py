@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from kirigami.errors import AnalysisError
-from kirigami.kernel import Array, Configuration, Kernel, hessian_product
+from kirigami.primitives.kernel import Array, Configuration, Kernel, hessian_product
 from kirigami.results import Results
 from kirigami.step import Step
 

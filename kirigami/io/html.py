@@ -19,7 +19,7 @@ from kirigami.errors import AnalysisError, ModelError
 from kirigami.files import library, whole_file
 from kirigami.io.fields import energy_density, facet_strain
 from kirigami.io.table import Nodes, curves
-from kirigami.kernel import Array
+from kirigami.primitives.kernel import Array
 from kirigami.results import Results
 
 LEVELS = 65535  # positions are stored in so many parts of the extent of each axis

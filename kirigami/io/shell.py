@@ -13,10 +13,10 @@ from kirigami.constraints import AXES, Constraint, Prescribe
 from kirigami.elements.bar import Bar
 from kirigami.elements.bend_hinge import BendHinge
 from kirigami.errors import ModelError
-from kirigami.kernel import Array
 from kirigami.loads import NodalLoad
 from kirigami.model import Model
-from kirigami.objects import Material
+from kirigami.primitives.kernel import Array
+from kirigami.primitives.parts import Material
 
 
 @dataclass(eq=False)

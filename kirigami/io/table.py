@@ -14,8 +14,8 @@ import numpy as np
 from kirigami.constraints import AXES, Prescribe
 from kirigami.errors import AnalysisError
 from kirigami.files import library, whole_file
-from kirigami.kernel import Array
-from kirigami.objects import Node
+from kirigami.primitives.kernel import Array
+from kirigami.primitives.parts import Node
 from kirigami.results import Results
 
 Nodes = Node | int | Iterable[Node | int]

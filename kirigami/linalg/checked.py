@@ -7,7 +7,7 @@ from typing import Any, Protocol
 import numpy as np
 
 from kirigami.errors import KirigamiError
-from kirigami.kernel import Array
+from kirigami.primitives.kernel import Array
 
 REFINE_ABOVE = 1e-10  # residual over right-hand side that calls for a step of refinement
 PIVOT_ABOVE = 1e-6  # ... and for a new factorisation with pivoting

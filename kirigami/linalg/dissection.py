@@ -17,7 +17,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from kirigami.kernel import Array
+from kirigami.primitives.kernel import Array
 
 Index = NDArray[np.int64]
 

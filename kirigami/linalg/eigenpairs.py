@@ -6,8 +6,8 @@ from typing import Any
 
 import numpy as np
 
-from kirigami.kernel import Array
 from kirigami.linalg.checked import Factor
+from kirigami.primitives.kernel import Array
 
 
 def smallest_eigenpairs(

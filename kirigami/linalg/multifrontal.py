@@ -21,7 +21,6 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from kirigami.kernel import Array
 from kirigami.linalg.checked import (
     PIVOT_ABOVE,
     CheckedFactor,
@@ -33,6 +32,7 @@ from kirigami.linalg.checked import (
 from kirigami.linalg.dissection import Fronts, Index, dissect
 from kirigami.linalg.superlu import SuperLUFactor
 from kirigami.linalg.threads import one_thread
+from kirigami.primitives.kernel import Array
 
 AMPLIFIED = 1e4  # displacements of a front per displacement of its border that are no lever any more
 

@@ -7,9 +7,9 @@ from typing import Any
 import numpy as np
 
 from kirigami.errors import AnalysisError
-from kirigami.kernel import Array
 from kirigami.linalg.checked import CheckedFactor, Factor, NothingToSolve, PatternCache
 from kirigami.linalg.superlu import SuperLUFactor
+from kirigami.primitives.kernel import Array
 
 
 class Rslab:

@@ -10,7 +10,6 @@ from typing import Any
 
 import numpy as np
 
-from kirigami.kernel import Array
 from kirigami.linalg.checked import (
     CheckedFactor,
     Factor,
@@ -19,6 +18,7 @@ from kirigami.linalg.checked import (
     SingularMatrixError,
     factorize_with_pivoting,
 )
+from kirigami.primitives.kernel import Array
 
 
 class SuperLU:

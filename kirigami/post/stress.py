@@ -26,12 +26,12 @@ from numpy.typing import NDArray
 from kirigami.elements.curved_facet import CORNER_OF_SLOPE, EDGE_OF_SLOPE, CurvedFacetKernel
 from kirigami.elements.triangle import ENDS, STARTS, edge_vectors, flat_edges, strain_from_edges
 from kirigami.errors import AnalysisError, ModelError
-from kirigami.kernel import Configuration
 from kirigami.post.curvature import FLAT, curvature
+from kirigami.primitives.kernel import Configuration
 
 if TYPE_CHECKING:
     from kirigami.geometry.mesh import TriMesh
-    from kirigami.objects import Material
+    from kirigami.primitives.parts import Material
     from kirigami.results import Results
 
 Floats = NDArray[np.float64]

@@ -15,9 +15,9 @@ import numpy as np
 
 from kirigami.analysis.path import DisplacementControl
 from kirigami.errors import ModelError
-from kirigami.kernel import Array
 from kirigami.model import Model
-from kirigami.objects import Node, require_positive
+from kirigami.primitives.kernel import Array
+from kirigami.primitives.parts import Node, require_positive
 from kirigami.results import Results
 from kirigami.stiffness import RUNGS
 from kirigami.sweep import Sweep

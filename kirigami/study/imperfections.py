@@ -19,9 +19,9 @@ from kirigami.analysis.eigen import Eigen, Mode
 from kirigami.analysis.path import DisplacementControl
 from kirigami.analysis.walk import PathAnalysis
 from kirigami.errors import KirigamiError, KirigamiWarning, ModelError
-from kirigami.kernel import Array
 from kirigami.model import Model
-from kirigami.objects import require_positive
+from kirigami.primitives.kernel import Array
+from kirigami.primitives.parts import require_positive
 from kirigami.results import Results
 from kirigami.study.shapes import FLAT, ShapeSpace
 

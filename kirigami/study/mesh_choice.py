@@ -15,8 +15,8 @@ import numpy as np
 
 from kirigami.analysis.path import DisplacementControl
 from kirigami.errors import AnalysisError, ModelError
-from kirigami.kernel import Array
-from kirigami.objects import Node, require_positive
+from kirigami.primitives.kernel import Array
+from kirigami.primitives.parts import Node, require_positive
 from kirigami.results import Results
 from kirigami.stiffness import RUNGS
 from kirigami.study.accuracy import QUANTITIES, Case, quantities

@@ -7,8 +7,8 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from kirigami.kernel import Array
 from kirigami.model import Model
+from kirigami.primitives.kernel import Array
 
 FLAT = 1e-6  # height over size below which a sheet counts as flat
 

@@ -7,8 +7,8 @@ import math
 import numpy as np
 
 from kirigami.errors import GeometryError
-from kirigami.kernel import Array
-from kirigami.objects import require_finite, require_positive
+from kirigami.primitives.kernel import Array
+from kirigami.primitives.parts import require_finite, require_positive
 from kirigami.tilings.tiling import Tiling
 
 

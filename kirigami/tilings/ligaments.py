@@ -9,7 +9,7 @@ import numpy as np
 import shapely
 
 from kirigami.errors import GeometryError
-from kirigami.objects import require_positive
+from kirigami.primitives.parts import require_positive
 from kirigami.tilings.polygons import from_polygons
 from kirigami.tilings.tiling import Tiling, place_of
 

@@ -16,8 +16,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from kirigami.errors import GeometryError, ModelError
-from kirigami.kernel import Array
-from kirigami.objects import require_finite, require_positive
+from kirigami.primitives.kernel import Array
+from kirigami.primitives.parts import require_finite, require_positive
 from kirigami.tilings.panel import Ligament, braces
 
 if TYPE_CHECKING:
@@ -337,7 +337,7 @@ class Tiling:
         from kirigami.elements.bar import Bar
         from kirigami.elements.torsion_spring import TorsionSpring3
         from kirigami.model import Model
-        from kirigami.objects import Node
+        from kirigami.primitives.parts import Node
 
         if springs not in ("one", "both"):
             raise ModelError(f"springs {springs!r} is unknown: use 'one' or 'both'")

@@ -7,7 +7,7 @@ import pytest
 from shapely import LineString, box
 
 import kirigami as kg
-from kirigami.kernel import full_hessian, hessian_product
+from kirigami.primitives.kernel import full_hessian, hessian_product
 
 
 @pytest.fixture(scope="module")

@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 from kirigami.errors import ModelError
 
 if TYPE_CHECKING:
-    from kirigami.kernel import Array, Kernel
     from kirigami.model import Model
+    from kirigami.primitives.kernel import Array, Kernel
 
 
 def require_finite(value: Any, name: str, owner: str) -> float:
