@@ -37,7 +37,7 @@ class SheetFiles:
         material : Material, optional
             Of the sheet.
         **options
-            Of :func:`kirigami.io.dxf.read_dxf`: layers of outline, cuts and folds, units, tolerances.
+            Of :func:`kirigami.drawing.dxf.read_dxf`: layers of outline, cuts and folds, units, tolerances.
 
         Raises
         ------
@@ -54,7 +54,7 @@ class SheetFiles:
         >>> kg.Sheet.from_dxf(file, thickness=1e-4, cuts="CUTS")
         Sheet(0.2 x 0.1, area 0.02, 1 slit, 0 openings)
         """
-        from kirigami.io.dxf import read_dxf
+        from kirigami.drawing.dxf import read_dxf
 
         return read_dxf(path, **options).sheet(thickness, material)
 
@@ -73,7 +73,7 @@ class SheetFiles:
         material : Material, optional
             Of the sheet.
         **options
-            Of :func:`kirigami.io.svg.read_svg`: layers or colours of outline, cuts and folds, units, tolerances.
+            Of :func:`kirigami.drawing.svg.read_svg`: layers or colours of outline, cuts and folds, units, tolerances.
 
         Raises
         ------
@@ -90,7 +90,7 @@ class SheetFiles:
         >>> kg.Sheet.from_svg(file, cuts="red")
         Sheet(0.2 x 0.1, area 0.02, 1 slit, 0 openings)
         """
-        from kirigami.io.svg import read_svg
+        from kirigami.drawing.svg import read_svg
 
         return read_svg(path, **options).sheet(thickness, material)
 
@@ -109,7 +109,7 @@ class SheetFiles:
         material : Material, optional
             Of the sheet.
         **options
-            Of :func:`kirigami.io.geojson.read_geojson`: roles of the features, units, tolerance.
+            Of :func:`kirigami.drawing.geojson.read_geojson`: roles of the features, units, tolerance.
 
         Raises
         ------
@@ -123,7 +123,7 @@ class SheetFiles:
         >>> kg.Sheet.from_geojson(file)
         Sheet(2 x 1, area 2, 0 slits, 0 openings)
         """
-        from kirigami.io.geojson import read_geojson
+        from kirigami.drawing.geojson import read_geojson
 
         return read_geojson(path, **options).sheet(thickness, material)
 
@@ -142,7 +142,7 @@ class SheetFiles:
         material : Material, optional
             Of the sheet.
         **options
-            Of :func:`kirigami.io.fold.read_fold`: which creases are folds, units, tolerance.
+            Of :func:`kirigami.drawing.fold.read_fold`: which creases are folds, units, tolerance.
 
         Raises
         ------
@@ -156,7 +156,7 @@ class SheetFiles:
         >>> kg.Sheet.from_fold(plate.to_fold(Path(tempfile.mkdtemp()) / "plate.fold"))
         Sheet(2 x 1, area 2, 1 slit, 0 openings)
         """
-        from kirigami.io.fold import read_fold
+        from kirigami.drawing.fold import read_fold
 
         return read_fold(path, **options).sheet(thickness, material)
 
@@ -168,7 +168,7 @@ class SheetFiles:
         path : path
             The file.
         **options
-            Of :func:`kirigami.io.dxf.write_dxf`: unit of the sheet, unit of the file, folds.
+            Of :func:`kirigami.drawing.dxf.write_dxf`: unit of the sheet, unit of the file, folds.
 
         Raises
         ------
@@ -182,7 +182,7 @@ class SheetFiles:
         >>> kg.Sheet.from_dxf(file).bounds
         (0.0, 0.0, 2.0, 1.0)
         """
-        from kirigami.io.dxf import write_dxf
+        from kirigami.drawing.dxf import write_dxf
 
         return write_dxf(self, path, **options)
 
@@ -194,7 +194,7 @@ class SheetFiles:
         path : path
             The file.
         **options
-            Of :func:`kirigami.io.svg.write_svg`: unit of the sheet, unit of the file, folds.
+            Of :func:`kirigami.drawing.svg.write_svg`: unit of the sheet, unit of the file, folds.
 
         Raises
         ------
@@ -208,7 +208,7 @@ class SheetFiles:
         >>> kg.Sheet.from_svg(file).bounds
         (0.0, 0.0, 0.2, 0.1)
         """
-        from kirigami.io.svg import write_svg
+        from kirigami.drawing.svg import write_svg
 
         return write_svg(self, path, **options)
 
@@ -220,7 +220,7 @@ class SheetFiles:
         path : path
             The file.
         **options
-            Of :func:`kirigami.io.geojson.write_geojson`: unit of the sheet, folds.
+            Of :func:`kirigami.drawing.geojson.write_geojson`: unit of the sheet, folds.
 
         Raises
         ------
@@ -233,7 +233,7 @@ class SheetFiles:
         >>> kg.Sheet(shapely.box(0, 0, 2, 1)).to_geojson(Path(tempfile.mkdtemp()) / "plate.geojson").name
         'plate.geojson'
         """
-        from kirigami.io.geojson import write_geojson
+        from kirigami.drawing.geojson import write_geojson
 
         return write_geojson(self, path, **options)
 
@@ -245,7 +245,7 @@ class SheetFiles:
         path : path
             The file.
         **options
-            Of :func:`kirigami.io.fold.write_fold`: unit of the sheet, folds.
+            Of :func:`kirigami.drawing.fold.write_fold`: unit of the sheet, folds.
 
         Raises
         ------
@@ -258,7 +258,7 @@ class SheetFiles:
         >>> kg.Sheet(shapely.box(0, 0, 2, 1)).to_fold(Path(tempfile.mkdtemp()) / "plate.fold").name
         'plate.fold'
         """
-        from kirigami.io.fold import write_fold
+        from kirigami.drawing.fold import write_fold
 
         return write_fold(self, path, **options)
 

@@ -19,7 +19,7 @@ from kirigami.files import whole_file
 from kirigami.io.convert import edge_for, read_drawing
 
 if TYPE_CHECKING:
-    from kirigami.io.drawing import Drawing
+    from kirigami.drawing.drawing import Drawing
 
 SIDES = {"x": ("left", "right"), "y": ("bottom", "top")}
 GRIP = 0.04  # of the length, where the end of a sheet is no straight edge to hold
@@ -142,7 +142,7 @@ def stretch(
     Examples
     --------
     >>> import shapely
-    >>> from kirigami.io.drawing import Drawing
+    >>> from kirigami.drawing.drawing import Drawing
     >>> plate = Drawing(shapely.box(0, 0, 0.05, 0.1), (shapely.LineString([(0.01, 0.05), (0.04, 0.05)]),))
     >>> report = stretch(plate, thickness="0.1mm", E="3.5GPa", strain="1%", max_edge="10mm")
     >>> report.complete, round(report.numbers["displacement"], 9)
@@ -309,7 +309,7 @@ def write_report(report: Report, folder: str | os.PathLike[str], say: Callable[[
     Examples
     --------
     >>> import shapely, tempfile
-    >>> from kirigami.io.drawing import Drawing
+    >>> from kirigami.drawing.drawing import Drawing
     >>> plate = Drawing(shapely.box(0, 0, 0.05, 0.1), ())
     >>> report = stretch(plate, thickness="0.1mm", E="3.5GPa", strain="0.1%", max_edge="25mm", imperfection=0)
     >>> files = write_report(report, tempfile.mkdtemp(), say=lambda words: None)

@@ -17,7 +17,7 @@ from kirigami.errors import GeometryError
 from kirigami.files import library, whole_file
 
 if TYPE_CHECKING:
-    from kirigami.io.drawing import Drawing
+    from kirigami.drawing.drawing import Drawing
 
 FORMATS = {".dxf": "dxf", ".svg": "svg", ".geojson": "geojson", ".json": "geojson", ".fold": "fold"}
 FACETS = 4000  # aimed at where no edge length is given: a minute or so of work
@@ -31,8 +31,8 @@ def read_drawing(path: str | os.PathLike[str], **options: Any) -> Drawing:
     path : path
         The file.
     **options
-        As for the reader: :func:`kirigami.io.dxf.read_dxf`, :func:`kirigami.io.svg.read_svg`,
-        :func:`kirigami.io.geojson.read_geojson`, :func:`kirigami.io.fold.read_fold`.
+        As for the reader: :func:`kirigami.drawing.dxf.read_dxf`, :func:`kirigami.drawing.svg.read_svg`,
+        :func:`kirigami.drawing.geojson.read_geojson`, :func:`kirigami.drawing.fold.read_fold`.
 
     Raises
     ------
@@ -211,7 +211,7 @@ def write_mesh(mesh: kg.TriMesh, path: str | os.PathLike[str]) -> Path:
     """
     target = Path(path)
     if target.suffix.lower() == ".fold":
-        from kirigami.io.fold import write_fold
+        from kirigami.drawing.fold import write_fold
 
         return write_fold(mesh, target)
     meshio = library("meshio", "writing meshes")
@@ -278,7 +278,7 @@ def export(path: str | os.PathLike[str], output: str | os.PathLike[str], **readi
 
         return write_vtk(results, target.parent, target.stem)
     if ending == ".fold":
-        from kirigami.io.fold import write_fold
+        from kirigami.drawing.fold import write_fold
 
         return [write_fold(results, target)]
     from kirigami.io.surface import ENDINGS, write_surface

@@ -13,9 +13,9 @@ import pytest
 import shapely
 
 import kirigami as kg
-from kirigami.io.drawing import Drawing
-from kirigami.io.fold import read_fold, write_fold
-from kirigami.io.geojson import read_geojson, write_geojson
+from kirigami.drawing.drawing import Drawing
+from kirigami.drawing.fold import read_fold, write_fold
+from kirigami.drawing.geojson import read_geojson, write_geojson
 
 DRAWINGS = Path(__file__).parents[1] / "data" / "drawings"
 SAID = {  # what the files do not say themselves
@@ -29,12 +29,12 @@ SAID = {  # what the files do not say themselves
 def read(path: Path, **options: Any) -> Drawing:
     if path.suffix == ".dxf":
         pytest.importorskip("ezdxf")
-        from kirigami.io.dxf import read_dxf
+        from kirigami.drawing.dxf import read_dxf
 
         return read_dxf(path, **options)
     if path.suffix == ".svg":
         pytest.importorskip("svgelements")
-        from kirigami.io.svg import read_svg
+        from kirigami.drawing.svg import read_svg
 
         return read_svg(path, **options)
     return (read_fold if path.suffix == ".fold" else read_geojson)(path, **options)
@@ -43,11 +43,11 @@ def read(path: Path, **options: Any) -> Drawing:
 def write(item: Any, path: Path, **options: Any) -> Path:
     if path.suffix == ".dxf":
         pytest.importorskip("ezdxf")
-        from kirigami.io.dxf import write_dxf
+        from kirigami.drawing.dxf import write_dxf
 
         return write_dxf(item, path, **options)
     if path.suffix == ".svg":
-        from kirigami.io.svg import write_svg
+        from kirigami.drawing.svg import write_svg
 
         return write_svg(item, path, **options)
     return (write_fold if path.suffix == ".fold" else write_geojson)(item, path, **options)

@@ -11,6 +11,7 @@ import shapely
 
 import kirigami as kg
 from kirigami import units
+from kirigami.drawing.drawing import Drawing
 from kirigami.io.convert import (
     export,
     info,
@@ -19,7 +20,6 @@ from kirigami.io.convert import (
     write_drawing,
     write_mesh,
 )
-from kirigami.io.drawing import Drawing
 from kirigami.stretch import stretch, write_report
 
 DRAWINGS = Path(__file__).parents[1] / "data" / "drawings"

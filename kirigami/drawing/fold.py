@@ -13,12 +13,12 @@ from typing import Any
 import numpy as np
 import shapely
 
+from kirigami.drawing.drawing import Curve, Drawing, Names, Roles, assemble, scale_of, scaled
+from kirigami.drawing.dxf import layered
+from kirigami.drawing.geojson import read_json
 from kirigami.errors import GeometryError
 from kirigami.files import whole_file
 from kirigami.geometry.mesh import TriMesh
-from kirigami.io.drawing import Curve, Drawing, Names, Roles, assemble, scale_of, scaled
-from kirigami.io.dxf import layered
-from kirigami.io.geojson import read_json
 from kirigami.results import Results
 
 ROLES = {"B": "outline", "C": "cut", "M": "mountain fold", "V": "valley fold", "U": "fold"}  # F, J: no line to act on
@@ -51,7 +51,7 @@ def read_fold(
     drawn_in : str, optional
         Unit of the coordinates, where the file does not say.
     tolerance : float
-        As for :func:`kirigami.io.dxf.read_dxf`.
+        As for :func:`kirigami.drawing.dxf.read_dxf`.
 
     Raises
     ------

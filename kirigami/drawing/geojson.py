@@ -12,9 +12,9 @@ import numpy as np
 import shapely
 from shapely.geometry import mapping, shape
 
+from kirigami.drawing.drawing import Curve, Drawing, Names, Roles, assemble, scale_of, scaled
 from kirigami.errors import GeometryError
 from kirigami.files import whole_file
-from kirigami.io.drawing import Curve, Drawing, Names, Roles, assemble, scale_of, scaled
 
 ROLE_KEYS = ("role", "layer", "Layer", "name")  # the property of a feature that names its layer, first match
 
@@ -33,7 +33,7 @@ def read_geojson(
     """Read outline, cuts and folds from a GeoJSON file.
 
     The property "role" (or "layer", "name") of a feature names its layer; how layers become roles is said at
-    :func:`kirigami.io.dxf.read_dxf`. Coordinates are plane; a member "unit" of the collection names their unit.
+    :func:`kirigami.drawing.dxf.read_dxf`. Coordinates are plane; a member "unit" of the collection names their unit.
 
     Parameters
     ----------

@@ -16,9 +16,7 @@ from xml.parsers import expat
 import numpy as np
 import shapely
 
-from kirigami.errors import GeometryError, KirigamiWarning
-from kirigami.files import library, whole_file
-from kirigami.io.drawing import (
+from kirigami.drawing.drawing import (
     Curve,
     Drawing,
     Floats,
@@ -30,7 +28,9 @@ from kirigami.io.drawing import (
     role_of_name,
     scaled,
 )
-from kirigami.io.dxf import layered
+from kirigami.drawing.dxf import layered
+from kirigami.errors import GeometryError, KirigamiWarning
+from kirigami.files import library, whole_file
 from kirigami.units import METRES, metres_per
 
 LABEL = "{http://www.inkscape.org/namespaces/inkscape}label"
@@ -58,7 +58,7 @@ def read_svg(
     report counts them. The true size is that of ``width``, ``height`` and ``viewBox``; a size in pixels has 96 to the
     inch, 72 where Illustrator wrote the file and 90 where an Inkscape before 0.92 did. The y axis is turned upwards.
     Layers are named groups; an object may also carry the role in its own name. How layers and colours become roles is
-    said at :func:`kirigami.io.dxf.read_dxf`.
+    said at :func:`kirigami.drawing.dxf.read_dxf`.
 
     Parameters
     ----------

@@ -11,9 +11,7 @@ from typing import Any
 import numpy as np
 import shapely
 
-from kirigami.errors import GeometryError
-from kirigami.files import library, whole_file
-from kirigami.io.drawing import (
+from kirigami.drawing.drawing import (
     Curve,
     Drawing,
     Floats,
@@ -25,6 +23,8 @@ from kirigami.io.drawing import (
     scale_of,
     scaled,
 )
+from kirigami.errors import GeometryError
+from kirigami.files import library, whole_file
 from kirigami.units import metres_per
 
 INSUNITS = {1: "in", 2: "ft", 4: "mm", 5: "cm", 6: "m", 7: "km", 9: "mil", 12: "nm", 13: "um", 14: "dm"}

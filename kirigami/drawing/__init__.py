@@ -1,0 +1,1 @@
+"""Drawings in and out: DXF, SVG, GeoJSON, FOLD."""
