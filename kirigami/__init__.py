@@ -24,7 +24,7 @@ _HOME = {
     "Prescribe": "constraints",
     "Tie": "constraints",
     "NodalLoad": "loads",
-    "Calibration": "stiffness",
+    "Calibration": "elements.stiffness",
     "System": "system",
     "Kernel": "primitives.kernel",
     "Contribution": "primitives.kernel",
@@ -60,7 +60,7 @@ _HOME = {
 _MODULES = {
     "bloch": "bloch",
     "cuts": "geometry.cuts",
-    "stiffness": "stiffness",
+    "stiffness": "elements.stiffness",
     "study": "study",
     "plot": "plot",
     "tilings": "tilings",
@@ -71,7 +71,6 @@ __all__ = ["__version__", *_HOME, *_MODULES]
 if TYPE_CHECKING:
     from kirigami import bloch as bloch
     from kirigami import plot as plot
-    from kirigami import stiffness as stiffness
     from kirigami import study as study
     from kirigami import tilings as tilings
     from kirigami.analysis.buckling import Buckling as Buckling
@@ -85,10 +84,12 @@ if TYPE_CHECKING:
     from kirigami.constraints import Prescribe as Prescribe
     from kirigami.constraints import Tie as Tie
     from kirigami.effects.angle_limit import AngleLimit as AngleLimit
+    from kirigami.elements import stiffness as stiffness
     from kirigami.elements.bar import Bar as Bar
     from kirigami.elements.bend_hinge import BendHinge as BendHinge
     from kirigami.elements.curved_facet import CurvedFacet as CurvedFacet
     from kirigami.elements.facet import Facet as Facet
+    from kirigami.elements.stiffness import Calibration as Calibration
     from kirigami.elements.torsion_spring import TorsionSpring3 as TorsionSpring3
     from kirigami.errors import AnalysisError as AnalysisError
     from kirigami.errors import ConvergenceError as ConvergenceError
@@ -115,7 +116,6 @@ if TYPE_CHECKING:
     from kirigami.sampling import latin_hypercube as latin_hypercube
     from kirigami.step import Event as Event
     from kirigami.step import Step as Step
-    from kirigami.stiffness import Calibration as Calibration
     from kirigami.storage import load as load
     from kirigami.sweep import Sweep as Sweep
     from kirigami.sweep_table import SweepTable as SweepTable

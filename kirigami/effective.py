@@ -15,11 +15,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from kirigami.elements.stiffness import Calibration
 from kirigami.errors import ModelError
 from kirigami.model import Model
 from kirigami.primitives.kernel import Array, Configuration, Kernel, full_hessian
 from kirigami.primitives.parts import Material
-from kirigami.stiffness import Calibration
 from kirigami.system import System
 
 if TYPE_CHECKING:

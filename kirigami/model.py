@@ -16,10 +16,10 @@ from kirigami.primitives.parts import Material, ModelObject, Node, require_finit
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
+    from kirigami.elements.stiffness import Calibration, SheetConstants
     from kirigami.geometry.mesh import TriMesh
     from kirigami.primitives.kernel import Array
     from kirigami.step import Step
-    from kirigami.stiffness import Calibration, SheetConstants
 
 Item = TypeVar("Item")
 

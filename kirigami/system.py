@@ -12,9 +12,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from kirigami import compiled
 from kirigami.assembly import BlockPlan, Index, PickPlan, scatter_add
 from kirigami.clock import Clock
+from kirigami.elements import compiled
 from kirigami.errors import MechanismError, ModelError
 from kirigami.model import Model
 from kirigami.primitives.kernel import Array, Configuration, Kernel

@@ -9,7 +9,7 @@ from matplotlib import pyplot
 from numpy.typing import NDArray
 
 import kirigami as kg
-from kirigami.stiffness import RUNGS
+from kirigami.elements.stiffness import RUNGS
 from kirigami.system import System
 
 E, NU, T = 2e9, 0.34, 1e-3

@@ -14,10 +14,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kirigami.elements.bend_hinge import BendHingeKernel
+from kirigami.elements.stiffness import hinge_stiffness
 from kirigami.errors import ModelError
 from kirigami.primitives.kernel import Array, Configuration, Contribution, Kernel, displacement_of, full_hessian
 from kirigami.primitives.parts import Node, Numbering
-from kirigami.stiffness import hinge_stiffness
 
 
 def clamp_kernels(groups: Sequence[Sequence[Node]], numbering: Numbering) -> list[Kernel]:

@@ -14,12 +14,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from kirigami.analysis.path import DisplacementControl
+from kirigami.elements.stiffness import RUNGS
 from kirigami.errors import ModelError
 from kirigami.model import Model
 from kirigami.primitives.kernel import Array
 from kirigami.primitives.parts import Node, require_positive
 from kirigami.results import Results
-from kirigami.stiffness import RUNGS
 from kirigami.sweep import Sweep
 from kirigami.sweep_table import SweepTable
 

@@ -14,11 +14,11 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from kirigami.analysis.path import DisplacementControl
+from kirigami.elements.stiffness import RUNGS
 from kirigami.errors import AnalysisError, ModelError
 from kirigami.primitives.kernel import Array
 from kirigami.primitives.parts import Node, require_positive
 from kirigami.results import Results
-from kirigami.stiffness import RUNGS
 from kirigami.study.accuracy import QUANTITIES, Case, quantities
 
 RATIO = 1.5  # of the edge lengths of the first two runs

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import kirigami as kg
-from kirigami import compiled
+from kirigami.elements import compiled
 
 pytestmark = pytest.mark.skipif(importlib.util.find_spec("numba") is None, reason="numba is not installed")
 

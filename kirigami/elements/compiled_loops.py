@@ -1,4 +1,4 @@
-"""Loops over bars and hinges for Numba to compile; only :mod:`kirigami.compiled` imports this file."""
+"""Loops over bars and hinges for Numba to compile; only :mod:`kirigami.elements.compiled` imports this file."""
 
 from __future__ import annotations
 

@@ -44,7 +44,7 @@ def _installed() -> bool:
 
 def add_forces(kernel: Any, x: Configuration, total: Array) -> float:
     """Add the gradient of a kernel to `total` (n, 3); returns the sum of its squares, member by member."""
-    from kirigami import compiled_loops
+    from kirigami.elements import compiled_loops
 
     if kernel.name == "bars":
         return float(compiled_loops.bar_forces(*_bar(kernel, x), total))
@@ -53,7 +53,7 @@ def add_forces(kernel: Any, x: Configuration, total: Array) -> float:
 
 def add_blocks(kernel: Any, x: Configuration, slots: Index, blocks: Array) -> None:
     """Add the Hessian of a kernel to node blocks (blocks, 3, 3); `slots` are those of the block plan."""
-    from kirigami import compiled_loops
+    from kirigami.elements import compiled_loops
 
     if kernel.name == "bars":
         stress = np.empty(0) if kernel._stress_ahead is None else kernel._stress_ahead
@@ -64,14 +64,14 @@ def add_blocks(kernel: Any, x: Configuration, slots: Index, blocks: Array) -> No
 
 def complete(plan: BlockPlan, blocks: Array) -> None:
     """See :meth:`BlockPlan.complete`; here the blocks come as (blocks, 3, 3)."""
-    from kirigami import compiled_loops
+    from kirigami.elements import compiled_loops
 
     compiled_loops.complete(plan.low, plan.high, plan.own, blocks)
 
 
 def linearize(kernel: Any, x: Configuration, change: Array) -> None:
     """See :meth:`Kernel.linearize`; only bars take part."""
-    from kirigami import compiled_loops
+    from kirigami.elements import compiled_loops
 
     if kernel.name == "bars":
         kernel._stress_ahead = np.empty(len(kernel.conn))
@@ -80,7 +80,7 @@ def linearize(kernel: Any, x: Configuration, change: Array) -> None:
 
 def largest_turn(change: Array, low: Index, high: Index, distance: Array) -> float:
     """Largest relative displacement of joined nodes over their distance, for a change (n, dim)."""
-    from kirigami import compiled_loops
+    from kirigami.elements import compiled_loops
 
     return float(compiled_loops.largest_turn(np.ascontiguousarray(change), low, high, distance))
 
