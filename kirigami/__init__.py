@@ -19,7 +19,7 @@ _HOME = {
     "TorsionSpring3": "elements.torsion_spring",
     "Facet": "elements.facet",
     "CurvedFacet": "elements.curved_facet",
-    "Normal": "normal",
+    "Normal": "geometry.normals",
     "Fix": "constraints",
     "Prescribe": "constraints",
     "Tie": "constraints",
@@ -102,10 +102,10 @@ if TYPE_CHECKING:
     from kirigami.framework import Rigidity as Rigidity
     from kirigami.geometry import cuts as cuts
     from kirigami.geometry.mesh import TriMesh as TriMesh
+    from kirigami.geometry.normals import Normal as Normal
     from kirigami.geometry.sheet import Sheet as Sheet
     from kirigami.loads import NodalLoad as NodalLoad
     from kirigami.model import Model as Model
-    from kirigami.normal import Normal as Normal
     from kirigami.periodic import PeriodicCell as PeriodicCell
     from kirigami.primitives.kernel import Contribution as Contribution
     from kirigami.primitives.kernel import Kernel as Kernel

@@ -242,7 +242,7 @@ class Model(ModelFiles):
         moved = positions.copy()
         moved[own] += offset
         if len(tip):
-            from kirigami.normal import moved_tips
+            from kirigami.geometry.normals import moved_tips
 
             moved[tip] = moved_tips(self, positions, moved)
         for node, position in zip(self._nodes, moved.tolist()):

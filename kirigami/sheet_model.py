@@ -81,7 +81,7 @@ def _warn_of_bias(mesh: TriMesh) -> None:
 def _add_curved_facets(model: Model, mesh: TriMesh, thickness: float, material: Material) -> None:
     """Every facet a curved one, and a normal at every node, with its tip on the upper face of the sheet."""
     from kirigami.elements.curved_facet import CurvedFacet
-    from kirigami.normal import Normal, sheet_normals
+    from kirigami.geometry.normals import Normal, sheet_normals
 
     nodes = model.nodes[:]
     directions = sheet_normals(model.positions(), mesh.triangles).tolist()

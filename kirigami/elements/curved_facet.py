@@ -44,7 +44,7 @@ from kirigami.elements.triangle import (
     without_compression,
 )
 from kirigami.errors import ModelError
-from kirigami.normal import Normal
+from kirigami.geometry.normals import Normal
 from kirigami.primitives.kernel import Array, Contribution, Kernel, displacement_of
 from kirigami.primitives.parts import Material, ModelObject, Node, Numbering, require_positive
 

@@ -98,7 +98,7 @@ class Node:
     """
 
     __slots__ = ("_position", "name")
-    base: Node | None = None  # the node whose normal this one is the tip of (see kirigami.normal)
+    base: Node | None = None  # the node whose normal this one is the tip of (see kirigami.geometry.normals)
 
     def __init__(self, x: float, y: float, z: float = 0.0, *, name: str | None = None) -> None:
         try:
