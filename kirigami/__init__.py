@@ -13,17 +13,17 @@ __version__ = "0.1.0"
 _HOME = {
     "Material": "primitives.parts",
     "Node": "primitives.parts",
-    "Model": "model",
+    "Model": "model.model",
     "Bar": "elements.bar",
     "BendHinge": "elements.bend_hinge",
     "TorsionSpring3": "elements.torsion_spring",
     "Facet": "elements.facet",
     "CurvedFacet": "elements.curved_facet",
     "Normal": "geometry.normals",
-    "Fix": "constraints",
-    "Prescribe": "constraints",
-    "Tie": "constraints",
-    "NodalLoad": "loads",
+    "Fix": "model.constraints",
+    "Prescribe": "model.constraints",
+    "Tie": "model.constraints",
+    "NodalLoad": "model.loads",
     "Calibration": "elements.stiffness",
     "System": "system",
     "Kernel": "primitives.kernel",
@@ -80,9 +80,6 @@ if TYPE_CHECKING:
     from kirigami.analysis.path import ArcLength as ArcLength
     from kirigami.analysis.path import DisplacementControl as DisplacementControl
     from kirigami.analysis.path import LoadControl as LoadControl
-    from kirigami.constraints import Fix as Fix
-    from kirigami.constraints import Prescribe as Prescribe
-    from kirigami.constraints import Tie as Tie
     from kirigami.effects.angle_limit import AngleLimit as AngleLimit
     from kirigami.elements import stiffness as stiffness
     from kirigami.elements.bar import Bar as Bar
@@ -104,8 +101,11 @@ if TYPE_CHECKING:
     from kirigami.geometry.mesh import TriMesh as TriMesh
     from kirigami.geometry.normals import Normal as Normal
     from kirigami.geometry.sheet import Sheet as Sheet
-    from kirigami.loads import NodalLoad as NodalLoad
-    from kirigami.model import Model as Model
+    from kirigami.model.constraints import Fix as Fix
+    from kirigami.model.constraints import Prescribe as Prescribe
+    from kirigami.model.constraints import Tie as Tie
+    from kirigami.model.loads import NodalLoad as NodalLoad
+    from kirigami.model.model import Model as Model
     from kirigami.periodic import PeriodicCell as PeriodicCell
     from kirigami.primitives.kernel import Contribution as Contribution
     from kirigami.primitives.kernel import Kernel as Kernel

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from kirigami.elements.stiffness import Calibration
 from kirigami.errors import ModelError
-from kirigami.model import Model
+from kirigami.model.model import Model
 from kirigami.primitives.kernel import Array, Configuration, Kernel, full_hessian
 from kirigami.primitives.parts import Material
 from kirigami.system import System

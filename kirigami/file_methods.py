@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, cast
 
 if TYPE_CHECKING:
     from kirigami.geometry.sheet import Sheet
-    from kirigami.model import Model
+    from kirigami.model.model import Model
     from kirigami.primitives.parts import Material
     from kirigami.results import Results
 

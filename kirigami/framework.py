@@ -20,7 +20,7 @@ from kirigami.errors import AnalysisError, ModelError
 from kirigami.primitives.kernel import Array
 
 if TYPE_CHECKING:
-    from kirigami.model import Model
+    from kirigami.model.model import Model
     from kirigami.tilings.tiling import Tiling
 
 RANK = 1e-9  # singular values below this share of the largest are zero

@@ -6,9 +6,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from kirigami.constraints import AXES
 from kirigami.errors import MechanismError
 from kirigami.linalg import Factor, SingularMatrixError, factorize
+from kirigami.model.constraints import AXES
 from kirigami.primitives.kernel import Array, full_hessian
 
 if TYPE_CHECKING:

@@ -14,9 +14,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from kirigami.constraints import AXES, Fix, Tie
 from kirigami.errors import MechanismError, ModelError
-from kirigami.model import Model
+from kirigami.model.constraints import AXES, Fix, Tie
+from kirigami.model.model import Model
 from kirigami.primitives.kernel import Array
 from kirigami.results import Results
 

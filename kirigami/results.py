@@ -11,10 +11,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from kirigami.constraints import AXES
 from kirigami.errors import AnalysisError, ModelError
 from kirigami.file_methods import ResultsFiles
-from kirigami.model import Model
+from kirigami.model.constraints import AXES
+from kirigami.model.model import Model
 from kirigami.primitives.kernel import Array, Configuration, Kernel
 from kirigami.primitives.parts import Node
 from kirigami.shape_methods import ResultsShape

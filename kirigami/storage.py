@@ -27,7 +27,7 @@ KERNELS = {
     "ContactKernel": "effects.contact",
     "CurvedFacetKernel": "elements.curved_facet",
     "FacetKernel": "elements.facet",
-    "NodalLoadKernel": "loads",
+    "NodalLoadKernel": "model.loads",
     "TorsionSpring3Kernel": "elements.torsion_spring",
 }
 

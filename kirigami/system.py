@@ -16,7 +16,7 @@ from kirigami.assembly import BlockPlan, Index, PickPlan, scatter_add
 from kirigami.clock import Clock
 from kirigami.elements import compiled
 from kirigami.errors import MechanismError, ModelError
-from kirigami.model import Model
+from kirigami.model.model import Model
 from kirigami.primitives.kernel import Array, Configuration, Kernel
 from kirigami.primitives.parts import ModelObject, Numbering
 from kirigami.unknowns import Unknowns

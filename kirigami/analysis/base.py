@@ -10,7 +10,7 @@ import numpy as np
 from kirigami.errors import ModelError
 from kirigami.linalg import Factor, SingularMatrixError, make_solver
 from kirigami.mechanism import check_floppy
-from kirigami.model import Model
+from kirigami.model.model import Model
 from kirigami.primitives.kernel import Array
 from kirigami.results import Results
 from kirigami.step import Step

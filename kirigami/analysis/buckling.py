@@ -11,7 +11,7 @@ from kirigami.analysis.eigen import Modes
 from kirigami.analysis.events import nodal_shape
 from kirigami.errors import AnalysisError, ModelError
 from kirigami.linalg import Factor
-from kirigami.model import Model
+from kirigami.model.model import Model
 from kirigami.primitives.kernel import Array
 
 

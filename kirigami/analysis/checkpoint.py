@@ -21,7 +21,7 @@ from kirigami.analysis.increments import Increments
 from kirigami.analysis.state import Attempt, Point, State
 from kirigami.errors import AnalysisError, ModelError
 from kirigami.linalg import SingularMatrixError
-from kirigami.model import Model
+from kirigami.model.model import Model
 from kirigami.primitives.parts import Node
 from kirigami.results import Results
 from kirigami.step import Step

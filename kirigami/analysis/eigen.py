@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 from kirigami.analysis.base import Analysis, first_largest
 from kirigami.errors import ModelError
 from kirigami.linalg import Factor, SingularMatrixError, inverse_iteration, smallest_eigenpairs
-from kirigami.model import Model
+from kirigami.model.model import Model
 from kirigami.primitives.kernel import Array
 from kirigami.results import Results
 from kirigami.step import Step

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from kirigami.analysis.base import Analysis, make_step, require_drive
-from kirigami.model import Model
+from kirigami.model.model import Model
 from kirigami.results import Results
 
 

@@ -15,9 +15,9 @@ from kirigami.analysis.control import ArcLengthControl, Control, LoadFactorContr
 from kirigami.analysis.increments import Increments, ordered_targets
 from kirigami.analysis.state import Point, State, Tangent
 from kirigami.analysis.walk import PathAnalysis
-from kirigami.constraints import AXES
 from kirigami.errors import ModelError
-from kirigami.model import Model
+from kirigami.model.constraints import AXES
+from kirigami.model.model import Model
 from kirigami.primitives.parts import Node, require_finite
 from kirigami.step import Event, Step
 from kirigami.system import System

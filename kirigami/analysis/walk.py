@@ -26,7 +26,7 @@ from kirigami.analysis.newton import correct
 from kirigami.analysis.state import Attempt, Point, State, Tangent
 from kirigami.errors import ConvergenceError, KirigamiWarning, ModelError
 from kirigami.linalg import Factor, SingularMatrixError, one_thread
-from kirigami.model import Model
+from kirigami.model.model import Model
 from kirigami.primitives.kernel import Array
 from kirigami.primitives.parts import require_positive
 from kirigami.progress import progress_bar

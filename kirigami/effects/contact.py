@@ -30,9 +30,9 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from kirigami.constraints import listed
 from kirigami.elements.bar import Bar
 from kirigami.errors import ModelError
+from kirigami.model.constraints import listed
 from kirigami.primitives.kernel import Array, Configuration, Contribution, Kernel
 from kirigami.primitives.parts import ModelObject, Node, Numbering, require_finite, require_positive
 

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kirigami.errors import ModelError
-from kirigami.model import Model
+from kirigami.model.model import Model
 from kirigami.primitives.kernel import Array
 from kirigami.primitives.parts import Node, require_positive
 

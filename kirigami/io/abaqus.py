@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from kirigami.errors import ModelError
 from kirigami.files import whole_file
 from kirigami.io.shell import Shell, checked_targets, shell_of
-from kirigami.model import Model
+from kirigami.model.model import Model
 from kirigami.primitives.kernel import Array
 
 NODES_OF = {"S3": 3, "STRI3": 3, "S6": 6, "STRI65": 6}

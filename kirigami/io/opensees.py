@@ -15,7 +15,7 @@ from scipy.sparse.csgraph import connected_components
 from kirigami.errors import ModelError
 from kirigami.files import whole_file
 from kirigami.io.shell import checked_targets, shell_of
-from kirigami.model import Model
+from kirigami.model.model import Model
 
 SCRIPT = '''\
 """{title}: a sheet of shell triangles, stretched step by step. Run: python {name} [reactions.csv]"""

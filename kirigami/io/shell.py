@@ -9,12 +9,12 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from kirigami.constraints import AXES, Constraint, Prescribe
 from kirigami.elements.bar import Bar
 from kirigami.elements.bend_hinge import BendHinge
 from kirigami.errors import ModelError
-from kirigami.loads import NodalLoad
-from kirigami.model import Model
+from kirigami.model.constraints import AXES, Constraint, Prescribe
+from kirigami.model.loads import NodalLoad
+from kirigami.model.model import Model
 from kirigami.primitives.kernel import Array
 from kirigami.primitives.parts import Material
 

@@ -11,9 +11,9 @@ from typing import Any
 
 import numpy as np
 
-from kirigami.constraints import AXES, Prescribe
 from kirigami.errors import AnalysisError
 from kirigami.files import library, whole_file
+from kirigami.model.constraints import AXES, Prescribe
 from kirigami.primitives.kernel import Array
 from kirigami.primitives.parts import Node
 from kirigami.results import Results

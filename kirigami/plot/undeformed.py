@@ -15,7 +15,7 @@ from kirigami.plot.deformed import frame, suitable_axes
 if TYPE_CHECKING:
     from kirigami.geometry.mesh import TriMesh
     from kirigami.geometry.sheet import Sheet
-    from kirigami.model import Model
+    from kirigami.model.model import Model
 
 Floats = NDArray[np.float64]
 
@@ -235,7 +235,7 @@ class _Sketch:
 
     def supports(self, model: Model) -> None:
         """Fixed, driven and tied nodes; on a sheet, the facets between them."""
-        from kirigami.constraints import Prescribe, Tie
+        from kirigami.model.constraints import Prescribe, Tie
 
         driven = []
         fixed: dict[int, str] = {}  # several Fix may hold one node

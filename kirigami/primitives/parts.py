@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from kirigami.errors import ModelError
 
 if TYPE_CHECKING:
-    from kirigami.model import Model
+    from kirigami.model.model import Model
     from kirigami.primitives.kernel import Array, Kernel
 
 

@@ -16,7 +16,7 @@ import numpy as np
 from kirigami.analysis.path import DisplacementControl
 from kirigami.elements.stiffness import RUNGS
 from kirigami.errors import ModelError
-from kirigami.model import Model
+from kirigami.model.model import Model
 from kirigami.primitives.kernel import Array
 from kirigami.primitives.parts import Node, require_positive
 from kirigami.results import Results

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 
 from kirigami.analysis.eigen import Mode
 from kirigami.analysis.path import DisplacementControl
-from kirigami.model import Model
+from kirigami.model.model import Model
 from kirigami.study.imperfections import Build, ImperfectionStudy, imperfections
 
 

@@ -19,7 +19,7 @@ from kirigami.analysis.eigen import Eigen, Mode
 from kirigami.analysis.path import DisplacementControl
 from kirigami.analysis.walk import PathAnalysis
 from kirigami.errors import KirigamiError, KirigamiWarning, ModelError
-from kirigami.model import Model
+from kirigami.model.model import Model
 from kirigami.primitives.kernel import Array
 from kirigami.primitives.parts import require_positive
 from kirigami.results import Results

@@ -22,7 +22,7 @@ from kirigami.tilings.panel import Ligament, braces
 
 if TYPE_CHECKING:
     from kirigami.effects.angle_limit import AngleLimit
-    from kirigami.model import Model
+    from kirigami.model.model import Model
 
 Corner = tuple[int, int, int]  # vertex of the cell, shifts along the two lattice vectors
 TURN = 2 * math.pi
@@ -336,7 +336,7 @@ class Tiling:
         """
         from kirigami.elements.bar import Bar
         from kirigami.elements.torsion_spring import TorsionSpring3
-        from kirigami.model import Model
+        from kirigami.model.model import Model
         from kirigami.primitives.parts import Node
 
         if springs not in ("one", "both"):

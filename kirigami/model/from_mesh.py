@@ -11,7 +11,7 @@ from kirigami.elements.bar import Bar
 from kirigami.elements.bend_hinge import BendHinge
 from kirigami.elements.stiffness import Calibration, SheetConstants, bar_stiffness, directional_bias, hinge_stiffness
 from kirigami.errors import KirigamiWarning, ModelError
-from kirigami.model import Model
+from kirigami.model.model import Model
 from kirigami.primitives.parts import Material, ModelObject, Node, require_positive
 
 FEW = 50  # facets below which a mesh is too small to have a pattern

@@ -110,7 +110,7 @@ class Model(ModelFiles):
         >>> print(kg.Model.from_mesh(mesh, thickness=0.01, material=kg.Material(E=1e9)))
         Model in 3D: 4 nodes, 5 Bar, 1 BendHinge
         """
-        from kirigami.sheet_model import populate
+        from kirigami.model.from_mesh import populate
 
         model = cls(dim=dim)
         populate(model, mesh, thickness, material, stiffness)

@@ -9,8 +9,8 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from kirigami.constraints import listed
 from kirigami.errors import ModelError
+from kirigami.model.constraints import listed
 from kirigami.primitives.kernel import Array, Contribution, Kernel, displacement_of
 from kirigami.primitives.parts import ModelObject, Node, Numbering
 

@@ -1,0 +1,1 @@
+"""The model: nodes, constraints, loads, and sheet models from meshes."""
