@@ -25,7 +25,7 @@ _HOME = {
     "Tie": "model.constraints",
     "NodalLoad": "model.loads",
     "Calibration": "elements.stiffness",
-    "System": "system",
+    "System": "system.system",
     "Kernel": "primitives.kernel",
     "Contribution": "primitives.kernel",
     "check_kernel": "primitives.kernel",
@@ -119,7 +119,7 @@ if TYPE_CHECKING:
     from kirigami.storage import load as load
     from kirigami.sweep import Sweep as Sweep
     from kirigami.sweep_table import SweepTable as SweepTable
-    from kirigami.system import System as System
+    from kirigami.system.system import System as System
 
 
 def __getattr__(name: str) -> Any:

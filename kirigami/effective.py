@@ -20,7 +20,7 @@ from kirigami.errors import ModelError
 from kirigami.model.model import Model
 from kirigami.primitives.kernel import Array, Configuration, Kernel, full_hessian
 from kirigami.primitives.parts import Material
-from kirigami.system import System
+from kirigami.system.system import System
 
 if TYPE_CHECKING:
     from kirigami.geometry.mesh import TriMesh

@@ -188,7 +188,7 @@ class PeriodicCell:
         """
         from scipy.sparse import csc_matrix
 
-        from kirigami.system import System
+        from kirigami.system.system import System
 
         matrix = System(self._bare()).stiffness(u, constrained=False)
         count, strains = len(self.model.nodes), np.eye(len(self._pairs()))

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
     from kirigami.geometry.mesh import TriMesh
-    from kirigami.system import System
+    from kirigami.system.system import System
 
 
 class Results(ResultsFiles, ResultsShape):
@@ -151,7 +151,7 @@ class Results(ResultsFiles, ResultsShape):
     @cached_property
     def _gradients(self) -> Array:
         """Gradient of the potential (s, n, 3): support reactions at constrained displacements, else about zero."""
-        from kirigami.assembly import scatter_add
+        from kirigami.system.assembly import scatter_add
 
         total = np.zeros((len(self.steps), len(self.rest), 3))
         normals = [kernel.normals for kernel in self.kernels if kernel.normals is not None]

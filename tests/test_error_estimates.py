@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 import kirigami as kg
 from kirigami.study.mesh_choice import observed_order, shape_distance
-from kirigami.system import System
+from kirigami.system.system import System
 
 MATERIAL = kg.Material(E=3.5e9, nu=0.34)
 SLIT = shapely.LineString([(0.02, 0.1), (0.08, 0.1)])

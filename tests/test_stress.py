@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 import kirigami as kg
 from kirigami.elements.stiffness import RUNGS
-from kirigami.system import System
+from kirigami.system.system import System
 
 E, NU, T = 2e9, 0.34, 1e-3
 MATERIAL = kg.Material(E=E, nu=NU)

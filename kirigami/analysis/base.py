@@ -9,12 +9,12 @@ import numpy as np
 
 from kirigami.errors import ModelError
 from kirigami.linalg import Factor, SingularMatrixError, make_solver
-from kirigami.mechanism import check_floppy
 from kirigami.model.model import Model
 from kirigami.primitives.kernel import Array
 from kirigami.results import Results
 from kirigami.step import Step
-from kirigami.system import System
+from kirigami.system.supports import check_floppy
+from kirigami.system.system import System
 
 
 class Analysis:

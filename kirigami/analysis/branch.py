@@ -9,7 +9,7 @@ from kirigami.analysis.state import Attempt, Point, State, Tangent
 from kirigami.primitives.kernel import Array
 from kirigami.results import Results
 from kirigami.step import Event, Step
-from kirigami.system import System
+from kirigami.system.system import System
 
 TURNS = 0.05, 0.0125, 0.003, 0.0008, 0.2  # turns of a member by which the mode leads away from the bifurcation
 NEAR = 0.02  # share by which the load factor may change in that first step, if a shorter one can be had

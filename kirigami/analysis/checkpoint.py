@@ -29,7 +29,7 @@ from kirigami.storage import pack, read, unpack_path, write
 
 if TYPE_CHECKING:
     from kirigami.analysis.walk import PathAnalysis
-    from kirigami.system import System
+    from kirigami.system.system import System
 
 BUSY = 20  # a checkpoint waits until this many times the seconds that the last one took have passed
 

@@ -11,7 +11,7 @@ from kirigami.errors import ModelError
 from kirigami.model.constraints import AXES
 from kirigami.primitives.kernel import Array
 from kirigami.primitives.parts import Node
-from kirigami.system import System
+from kirigami.system.system import System
 
 SHARPEST_TURN = 0.5  # cosine of the largest angle between the tangent of a step and its chord
 NEARLY_STRAIGHT = 0.95  # cosine of an angle so small that a step lies ahead whatever else speaks against it

@@ -25,7 +25,7 @@ from kirigami.analysis.newton import ROTATION_CAP
 from kirigami.analysis.state import Attempt, State
 from kirigami.linalg import Factor, SingularMatrixError, inverse_iteration
 from kirigami.primitives.kernel import Array
-from kirigami.system import System
+from kirigami.system.system import System
 
 CHORD_GAIN = 0.5  # a chord step must at least halve the residual to be kept
 PUSH = 0.05  # turn of a member by which an unstable equilibrium is pushed off along its mode [rad]

@@ -16,7 +16,7 @@ from kirigami.model.model import Model
 from kirigami.primitives.kernel import Array
 from kirigami.results import Results
 from kirigami.step import Step
-from kirigami.system import System
+from kirigami.system.system import System
 
 FAR, ROUNDING = 30.0, 1e-5  # lowest eigenvalues over the shift: below the first it is too far, below the second noise
 

@@ -19,7 +19,7 @@ from kirigami.linalg import SingularMatrixError, factorize, inverse_iteration
 from kirigami.primitives.kernel import Array
 from kirigami.results import Results
 from kirigami.step import Event
-from kirigami.system import System
+from kirigami.system.system import System
 
 LIMIT_TOLERANCE = 1e-7  # relative error in load to which limit points are located
 BIFURCATION_TOLERANCE = 1e-4  # share of the range of load factors to which bifurcations are located

@@ -25,7 +25,7 @@ from kirigami.analysis.control import Control
 from kirigami.analysis.state import Attempt, State
 from kirigami.linalg import Factor, SingularMatrixError
 from kirigami.primitives.kernel import Array
-from kirigami.system import System
+from kirigami.system.system import System
 
 ROTATION_CAP = 0.3  # largest turn of a member in one correction [rad]
 DIVERGED = 1e6  # growth of the residual after which an attempt is hopeless

@@ -20,7 +20,7 @@ from kirigami.model.constraints import AXES
 from kirigami.model.model import Model
 from kirigami.primitives.parts import Node, require_finite
 from kirigami.step import Event, Step
-from kirigami.system import System
+from kirigami.system.system import System
 
 SMALLEST = 1e-7  # smallest increment, as a share of the whole range
 GROWTH = 0.1  # share of the distance from the start that an arc may have

@@ -32,7 +32,7 @@ from kirigami.primitives.parts import require_positive
 from kirigami.progress import progress_bar
 from kirigami.results import Results
 from kirigami.step import Event, Step
-from kirigami.system import System
+from kirigami.system.system import System
 
 Recorder = Callable[[Step], None]
 

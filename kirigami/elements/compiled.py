@@ -15,8 +15,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from kirigami.assembly import BlockPlan, Index
 from kirigami.primitives.kernel import Array, Configuration, Kernel
+from kirigami.system.assembly import BlockPlan, Index
 
 if TYPE_CHECKING:
     from kirigami.elements.bar import BarKernel

@@ -342,7 +342,7 @@ def _run(
 
 
 def _measured(model: Model, results: Results) -> dict[str, Any]:
-    from kirigami.system import System
+    from kirigami.system.system import System
 
     step = results[-1]
     system = System(model)

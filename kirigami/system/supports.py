@@ -12,8 +12,8 @@ from kirigami.model.constraints import AXES
 from kirigami.primitives.kernel import Array, full_hessian
 
 if TYPE_CHECKING:
-    from kirigami.assembly import Index
-    from kirigami.system import System
+    from kirigami.system.assembly import Index
+    from kirigami.system.system import System
 
 FREE = 1e-14  # energy of a motion over that of its members one by one; rounding leaves about 1e-16
 

@@ -6,11 +6,11 @@ from typing import Any
 
 import numpy as np
 
-from kirigami.assembly import Index
 from kirigami.errors import ModelError
 from kirigami.model.constraints import AXES
 from kirigami.primitives.kernel import Array
 from kirigami.primitives.parts import Numbering
+from kirigami.system.assembly import Index
 
 
 class Unknowns:

@@ -1,6 +1,6 @@
 """System: a model lowered once into kernels, numbered, constrained and ready to be assembled.
 
-The numbering of the unknowns is in :mod:`kirigami.unknowns`. Assembly goes through node blocks: each Hessian block of
+The numbering of the unknowns is in :mod:`kirigami.system.unknowns`. Assembly goes through node blocks: each Hessian block of
 each kernel adds to the block of its node pair (lower number first), and the reduced matrix picks its entries there.
 """
 
@@ -12,14 +12,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from kirigami.assembly import BlockPlan, Index, PickPlan, scatter_add
-from kirigami.clock import Clock
 from kirigami.elements import compiled
 from kirigami.errors import MechanismError, ModelError
 from kirigami.model.model import Model
 from kirigami.primitives.kernel import Array, Configuration, Kernel
 from kirigami.primitives.parts import ModelObject, Numbering
-from kirigami.unknowns import Unknowns
+from kirigami.system.assembly import BlockPlan, Index, PickPlan, scatter_add
+from kirigami.system.clock import Clock
+from kirigami.system.unknowns import Unknowns
 
 ROUNDING = 2e-15  # strain or angle [rad] that rounding alone may leave in a member
 
@@ -346,7 +346,7 @@ class System(Unknowns):
 
     def check_supports(self) -> None:
         """Raise a MechanismError that names every rigid motion the constraints leave to a connected part."""
-        from kirigami.mechanism import free_rigid_motions
+        from kirigami.system.supports import free_rigid_motions
 
         with self.clock("checks"):
             found = free_rigid_motions(self)

@@ -1,0 +1,1 @@
+"""A model lowered into kernels, numbered, constrained and ready to be assembled."""
