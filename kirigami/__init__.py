@@ -38,10 +38,10 @@ _HOME = {
     "LoadControl": "analysis.path",
     "DisplacementControl": "analysis.path",
     "ArcLength": "analysis.path",
-    "Results": "results",
-    "Step": "step",
-    "Event": "step",
-    "load": "storage",
+    "Results": "results.results",
+    "Step": "results.step",
+    "Event": "results.step",
+    "load": "results.archive",
     "Framework": "framework",
     "Rigidity": "framework",
     "PeriodicCell": "periodic",
@@ -112,11 +112,11 @@ if TYPE_CHECKING:
     from kirigami.primitives.kernel import check_kernel as check_kernel
     from kirigami.primitives.parts import Material as Material
     from kirigami.primitives.parts import Node as Node
-    from kirigami.results import Results as Results
+    from kirigami.results.archive import load as load
+    from kirigami.results.results import Results as Results
+    from kirigami.results.step import Event as Event
+    from kirigami.results.step import Step as Step
     from kirigami.sampling import latin_hypercube as latin_hypercube
-    from kirigami.step import Event as Event
-    from kirigami.step import Step as Step
-    from kirigami.storage import load as load
     from kirigami.sweep import Sweep as Sweep
     from kirigami.sweep_table import SweepTable as SweepTable
     from kirigami.system.system import System as System

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from kirigami.results import Results
+    from kirigami.results.results import Results
 
 
 class KirigamiError(Exception):

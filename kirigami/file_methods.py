@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from kirigami.geometry.sheet import Sheet
     from kirigami.model.model import Model
     from kirigami.primitives.parts import Material
-    from kirigami.results import Results
+    from kirigami.results.results import Results
 
 PathLike = str | os.PathLike[str]
 

@@ -18,7 +18,7 @@ from kirigami.errors import MechanismError, ModelError
 from kirigami.model.constraints import AXES, Fix, Tie
 from kirigami.model.model import Model
 from kirigami.primitives.kernel import Array
-from kirigami.results import Results
+from kirigami.results.results import Results
 
 VOIGT = {1: [(0, 0)], 2: [(0, 0), (1, 1), (0, 1)], 3: [(0, 0), (1, 1), (2, 2), (1, 2), (0, 2), (0, 1)]}
 

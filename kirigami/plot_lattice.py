@@ -18,7 +18,7 @@ from kirigami.plot.style import styled
 from kirigami.primitives.kernel import Array
 
 if TYPE_CHECKING:
-    from kirigami.results import Results
+    from kirigami.results.results import Results
     from kirigami.tilings.tiling import Tiling
 
 REST = "#c9a27c"

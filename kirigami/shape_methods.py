@@ -13,9 +13,9 @@ from kirigami.primitives.kernel import Array
 
 if TYPE_CHECKING:
     from kirigami.geometry.mesh import TriMesh
-    from kirigami.post.stress import SheetStress
     from kirigami.primitives.parts import Material
-    from kirigami.results import Results
+    from kirigami.results.results import Results
+    from kirigami.results.stress import SheetStress
 
 
 class ResultsShape:
@@ -119,7 +119,7 @@ class ResultsShape:
         Returns
         -------
         SheetStress
-            See :class:`kirigami.post.stress.SheetStress`.
+            See :class:`kirigami.results.stress.SheetStress`.
 
         Raises
         ------
@@ -128,7 +128,7 @@ class ResultsShape:
         ModelError
             No such step, no thickness or material, or a mesh that is not flat.
         """
-        from kirigami.post.stress import sheet_stress
+        from kirigami.results.stress import sheet_stress
 
         return sheet_stress(cast("Results", self), step, thickness, material)
 
@@ -157,7 +157,7 @@ class ResultsShape:
         ModelError
             No such step, kind or fibre, no thickness or material, or a mesh that is not flat.
         """
-        from kirigami.post.stress import checked_values
+        from kirigami.results.stress import checked_values
 
         values, label = checked_values(self.stress(step), kind, fibre)
         return cast("Results", self).plot(step, color=values, **{"label": label, **options})

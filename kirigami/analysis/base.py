@@ -11,8 +11,8 @@ from kirigami.errors import ModelError
 from kirigami.linalg import Factor, SingularMatrixError, make_solver
 from kirigami.model.model import Model
 from kirigami.primitives.kernel import Array
-from kirigami.results import Results
-from kirigami.step import Step
+from kirigami.results.results import Results
+from kirigami.results.step import Step
 from kirigami.system.supports import check_floppy
 from kirigami.system.system import System
 

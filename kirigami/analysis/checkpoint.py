@@ -23,9 +23,9 @@ from kirigami.errors import AnalysisError, ModelError
 from kirigami.linalg import SingularMatrixError
 from kirigami.model.model import Model
 from kirigami.primitives.parts import Node
-from kirigami.results import Results
-from kirigami.step import Step
-from kirigami.storage import pack, read, unpack_path, write
+from kirigami.results.archive import pack, read, unpack_path, write
+from kirigami.results.results import Results
+from kirigami.results.step import Step
 
 if TYPE_CHECKING:
     from kirigami.analysis.walk import PathAnalysis

@@ -14,8 +14,8 @@ from kirigami.errors import ModelError
 from kirigami.linalg import Factor, SingularMatrixError, inverse_iteration, smallest_eigenpairs
 from kirigami.model.model import Model
 from kirigami.primitives.kernel import Array
-from kirigami.results import Results
-from kirigami.step import Step
+from kirigami.results.results import Results
+from kirigami.results.step import Step
 from kirigami.system.system import System
 
 FAR, ROUNDING = 30.0, 1e-5  # lowest eigenvalues over the shift: below the first it is too far, below the second noise

@@ -17,8 +17,8 @@ from kirigami.analysis.control import Control, LoadFactorControl
 from kirigami.analysis.state import Attempt, Point, Tangent
 from kirigami.linalg import SingularMatrixError, factorize, inverse_iteration
 from kirigami.primitives.kernel import Array
-from kirigami.results import Results
-from kirigami.step import Event
+from kirigami.results.results import Results
+from kirigami.results.step import Event
 from kirigami.system.system import System
 
 LIMIT_TOLERANCE = 1e-7  # relative error in load to which limit points are located

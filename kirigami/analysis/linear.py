@@ -8,7 +8,7 @@ import numpy as np
 
 from kirigami.analysis.base import Analysis, make_step, require_drive
 from kirigami.model.model import Model
-from kirigami.results import Results
+from kirigami.results.results import Results
 
 
 class LinearStatic(Analysis):

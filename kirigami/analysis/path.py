@@ -19,7 +19,7 @@ from kirigami.errors import ModelError
 from kirigami.model.constraints import AXES
 from kirigami.model.model import Model
 from kirigami.primitives.parts import Node, require_finite
-from kirigami.step import Event, Step
+from kirigami.results.step import Event, Step
 from kirigami.system.system import System
 
 SMALLEST = 1e-7  # smallest increment, as a share of the whole range

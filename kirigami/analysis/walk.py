@@ -30,8 +30,8 @@ from kirigami.model.model import Model
 from kirigami.primitives.kernel import Array
 from kirigami.primitives.parts import require_positive
 from kirigami.progress import progress_bar
-from kirigami.results import Results
-from kirigami.step import Event, Step
+from kirigami.results.results import Results
+from kirigami.results.step import Event, Step
 from kirigami.system.system import System
 
 Recorder = Callable[[Step], None]

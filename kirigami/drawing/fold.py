@@ -19,7 +19,7 @@ from kirigami.drawing.geojson import read_json
 from kirigami.errors import GeometryError
 from kirigami.files import whole_file
 from kirigami.geometry.mesh import TriMesh
-from kirigami.results import Results
+from kirigami.results.results import Results
 
 ROLES = {"B": "outline", "C": "cut", "M": "mountain fold", "V": "valley fold", "U": "fold"}  # F, J: no line to act on
 LETTERS = {"OUTLINE": "B", "CUTS": "C", "FOLDS": "U"}

@@ -37,7 +37,7 @@ from kirigami.primitives.kernel import Array, Configuration, Contribution, Kerne
 from kirigami.primitives.parts import ModelObject, Node, Numbering, require_finite, require_positive
 
 if TYPE_CHECKING:
-    from kirigami.results import Results
+    from kirigami.results.results import Results
 
 STIFFER = 100.0  # default stiffness over that of the stiffest bar at the node
 LAYER = 1e-3  # default layer over the median length of the bars at the nodes

@@ -17,10 +17,10 @@ from numpy.typing import NDArray
 
 from kirigami.errors import AnalysisError, ModelError
 from kirigami.files import library, whole_file
-from kirigami.io.fields import energy_density, facet_strain
 from kirigami.io.table import Nodes, curves
 from kirigami.primitives.kernel import Array
-from kirigami.results import Results
+from kirigami.results.fields import energy_density, facet_strain
+from kirigami.results.results import Results
 
 LEVELS = 65535  # positions are stored in so many parts of the extent of each axis
 SHADES = 255  # colours in so many shades

@@ -9,7 +9,7 @@ import numpy as np
 
 from kirigami.errors import AnalysisError, ModelError
 from kirigami.files import library, whole_file
-from kirigami.results import Results
+from kirigami.results.results import Results
 
 ENDINGS = (".stl", ".obj", ".ply", ".glb", ".gltf")
 

@@ -16,7 +16,7 @@ from kirigami.files import library, whole_file
 from kirigami.model.constraints import AXES, Prescribe
 from kirigami.primitives.kernel import Array
 from kirigami.primitives.parts import Node
-from kirigami.results import Results
+from kirigami.results.results import Results
 
 Nodes = Node | int | Iterable[Node | int]
 

@@ -10,8 +10,8 @@ import numpy as np
 
 from kirigami.errors import AnalysisError
 from kirigami.files import library, whole_file
-from kirigami.io.fields import energy_density, facet_strain
-from kirigami.results import Results
+from kirigami.results.fields import energy_density, facet_strain
+from kirigami.results.results import Results
 
 
 def write_vtk(results: Results, folder: str | os.PathLike[str], name: str = "step") -> list[Path]:

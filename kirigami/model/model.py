@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from kirigami.elements.stiffness import Calibration, SheetConstants
     from kirigami.geometry.mesh import TriMesh
     from kirigami.primitives.kernel import Array
-    from kirigami.step import Step
+    from kirigami.results.step import Step
 
 Item = TypeVar("Item")
 

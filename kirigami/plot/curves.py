@@ -15,7 +15,7 @@ from kirigami.plot import style
 
 if TYPE_CHECKING:
     from kirigami.primitives.parts import Node
-    from kirigami.results import Results
+    from kirigami.results.results import Results
 
 Floats = NDArray[np.float64]
 
@@ -196,7 +196,7 @@ def _abscissa(results: Results, x: Any, owner: str) -> tuple[Floats, str]:
 
 def _limit_points(results: Results) -> tuple[Results, NDArray[np.int64]]:
     """Located limit points as results of their own, which know their reactions, and the step after each."""
-    from kirigami.step import Step
+    from kirigami.results.step import Step
 
     points = copy.copy(results)
     points.steps = []

@@ -12,7 +12,7 @@ from kirigami.plot import style
 
 if TYPE_CHECKING:
     from kirigami.geometry.mesh import TriMesh
-    from kirigami.results import Results
+    from kirigami.results.results import Results
 
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]

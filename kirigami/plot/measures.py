@@ -12,7 +12,7 @@ from kirigami.plot import style
 from kirigami.plot.curves import _abscissa
 
 if TYPE_CHECKING:
-    from kirigami.results import Results
+    from kirigami.results.results import Results
 
 KIND_COLORS = {"bars": style.BLUE, "hinges": style.VERMILION, "springs": style.GREEN}
 OTHER_COLORS = ("#cc79a7", "#e69f00", "#56b4e9", style.GREY)

@@ -16,7 +16,7 @@ from kirigami.plot import style
 from kirigami.plot.deformed import Field, Picture, chosen_view, displaced, frame, suitable_axes
 
 if TYPE_CHECKING:
-    from kirigami.results import Results
+    from kirigami.results.results import Results
 
 Floats = NDArray[np.float64]
 Pixels = NDArray[np.uint8]  # (height, width, 3)

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from kirigami.errors import AnalysisError, ModelError
 from kirigami.post.opening import open_area
-from kirigami.results import Results
+from kirigami.results.results import Results
 
 Floats = NDArray[np.float64]
 LENGTHS = ("diameter", "half perimeter")

@@ -19,7 +19,7 @@ from kirigami.errors import ModelError
 from kirigami.model.model import Model
 from kirigami.primitives.kernel import Array
 from kirigami.primitives.parts import Node, require_positive
-from kirigami.results import Results
+from kirigami.results.results import Results
 from kirigami.sweep import Sweep
 from kirigami.sweep_table import SweepTable
 

@@ -23,8 +23,8 @@ from kirigami.primitives.parts import require_positive
 
 if TYPE_CHECKING:
     from kirigami.geometry.mesh import TriMesh
-    from kirigami.post.stress import SheetStress
-    from kirigami.results import Results
+    from kirigami.results.results import Results
+    from kirigami.results.stress import SheetStress
 
 Floats = NDArray[np.float64]
 

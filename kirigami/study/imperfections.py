@@ -22,7 +22,7 @@ from kirigami.errors import KirigamiError, KirigamiWarning, ModelError
 from kirigami.model.model import Model
 from kirigami.primitives.kernel import Array
 from kirigami.primitives.parts import require_positive
-from kirigami.results import Results
+from kirigami.results.results import Results
 from kirigami.study.shapes import FLAT, ShapeSpace
 
 if TYPE_CHECKING:

@@ -18,7 +18,7 @@ from kirigami.elements.stiffness import RUNGS
 from kirigami.errors import AnalysisError, ModelError
 from kirigami.primitives.kernel import Array
 from kirigami.primitives.parts import Node, require_positive
-from kirigami.results import Results
+from kirigami.results.results import Results
 from kirigami.study.accuracy import QUANTITIES, Case, quantities
 
 RATIO = 1.5  # of the edge lengths of the first two runs

@@ -14,9 +14,9 @@ import numpy as np
 import pytest
 
 import kirigami as kg
-from kirigami.io.fields import facet_strain
 from kirigami.io.surface import write_surface
 from kirigami.io.table import curves
+from kirigami.results.fields import facet_strain
 
 pytest.importorskip("plotly")
 from kirigami.io.html import to_html

@@ -11,9 +11,9 @@ import pytest
 
 import kirigami as kg
 from kirigami.files import library, whole_file
-from kirigami.io.fields import energy_density, facet_strain, nodal_energy
 from kirigami.io.table import curves, to_csv, to_xarray
 from kirigami.io.vtk import write_vtk
+from kirigami.results.fields import energy_density, facet_strain, nodal_energy
 
 
 def test_vtk_series_holds_every_step(strip: kg.Results, tmp_path: Path) -> None:

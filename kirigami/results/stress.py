@@ -32,7 +32,7 @@ from kirigami.primitives.kernel import Configuration
 if TYPE_CHECKING:
     from kirigami.geometry.mesh import TriMesh
     from kirigami.primitives.parts import Material
-    from kirigami.results import Results
+    from kirigami.results.results import Results
 
 Floats = NDArray[np.float64]
 

@@ -13,8 +13,8 @@ from typing import Any
 import numpy as np
 
 from kirigami.errors import AnalysisError
-from kirigami.results import Results
-from kirigami.step import Event, Step
+from kirigami.results.results import Results
+from kirigami.results.step import Event, Step
 
 FORMAT = 3  # version of the results file; formats 1 and 2 are read as well
 

@@ -6,8 +6,8 @@ import numpy as np
 
 from kirigami.errors import AnalysisError
 from kirigami.primitives.kernel import Array, Configuration, Kernel, hessian_product
-from kirigami.results import Results
-from kirigami.step import Step
+from kirigami.results.results import Results
+from kirigami.results.step import Step
 
 
 def facet_strain(results: Results) -> Array:

@@ -17,8 +17,8 @@ from kirigami.model.constraints import AXES
 from kirigami.model.model import Model
 from kirigami.primitives.kernel import Array, Configuration, Kernel
 from kirigami.primitives.parts import Node
+from kirigami.results.step import Event, Step
 from kirigami.shape_methods import ResultsShape
-from kirigami.step import Event, Step
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -348,6 +348,6 @@ class Results(ResultsFiles, ResultsShape):
 
     def save(self, path: str | os.PathLike[str]) -> Path:
         """Write everything to one compressed file that :func:`kirigami.load` reads back; never a partial file."""
-        from kirigami.storage import save
+        from kirigami.results.archive import save
 
         return save(self, path)
