@@ -18,7 +18,7 @@ from pathlib import Path
 import numpy as np
 
 import kirigami as kg
-from kirigami.analysis.descent import CORRECTORS
+from kirigami.analysis.path.descent import CORRECTORS
 from kirigami.linalg import make_solver
 
 DATA = Path(__file__).resolve().parent.parent / "tests" / "data" / "seed_S2.npz"

@@ -35,9 +35,9 @@ _HOME = {
     "Eigen": "analysis.eigen",
     "Mode": "analysis.eigen",
     "Buckling": "analysis.buckling",
-    "LoadControl": "analysis.path",
-    "DisplacementControl": "analysis.path",
-    "ArcLength": "analysis.path",
+    "LoadControl": "analysis.path.methods",
+    "DisplacementControl": "analysis.path.methods",
+    "ArcLength": "analysis.path.methods",
     "Results": "results.results",
     "Step": "results.step",
     "Event": "results.step",
@@ -77,9 +77,9 @@ if TYPE_CHECKING:
     from kirigami.analysis.eigen import Eigen as Eigen
     from kirigami.analysis.eigen import Mode as Mode
     from kirigami.analysis.linear import LinearStatic as LinearStatic
-    from kirigami.analysis.path import ArcLength as ArcLength
-    from kirigami.analysis.path import DisplacementControl as DisplacementControl
-    from kirigami.analysis.path import LoadControl as LoadControl
+    from kirigami.analysis.path.methods import ArcLength as ArcLength
+    from kirigami.analysis.path.methods import DisplacementControl as DisplacementControl
+    from kirigami.analysis.path.methods import LoadControl as LoadControl
     from kirigami.effects.angle_limit import AngleLimit as AngleLimit
     from kirigami.elements import stiffness as stiffness
     from kirigami.elements.bar import Bar as Bar

@@ -12,7 +12,7 @@ import pytest
 
 import kirigami as kg
 from kirigami import cli
-from kirigami.analysis.path import PathAnalysis
+from kirigami.analysis.path.methods import PathAnalysis
 from kirigami.cli import demo
 
 DRAWINGS = Path(__file__).parent / "data" / "drawings"

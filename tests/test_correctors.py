@@ -12,7 +12,7 @@ import pytest
 from shapely import LineString, box
 
 import kirigami as kg
-from kirigami.analysis.descent import CORRECTORS
+from kirigami.analysis.path.descent import CORRECTORS
 
 
 def slit_sheet(imperfection: float, dim: int = 3) -> kg.Model:

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from kirigami.analysis.path import DisplacementControl
+from kirigami.analysis.path.methods import DisplacementControl
 from kirigami.elements.stiffness import RUNGS
 from kirigami.errors import ModelError
 from kirigami.model.model import Model

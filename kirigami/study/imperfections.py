@@ -16,8 +16,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from kirigami.analysis.eigen import Eigen, Mode
-from kirigami.analysis.path import DisplacementControl
-from kirigami.analysis.walk import PathAnalysis
+from kirigami.analysis.path.follow import PathAnalysis
+from kirigami.analysis.path.methods import DisplacementControl
 from kirigami.errors import KirigamiError, KirigamiWarning, ModelError
 from kirigami.model.model import Model
 from kirigami.primitives.kernel import Array

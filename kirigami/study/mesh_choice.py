@@ -13,7 +13,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from kirigami.analysis.path import DisplacementControl
+from kirigami.analysis.path.methods import DisplacementControl
 from kirigami.elements.stiffness import RUNGS
 from kirigami.errors import AnalysisError, ModelError
 from kirigami.primitives.kernel import Array

@@ -12,7 +12,7 @@ Two things carry it through the sharp corners of thin sheets; the residual stays
   Appl. Mech. Eng. 313 (2017)).
 * No correction may turn a member by more than a set angle.
 
-Where it fails, or finds an unstable equilibrium, :mod:`kirigami.analysis.descent` goes on.
+Where it fails, or finds an unstable equilibrium, :mod:`kirigami.analysis.path.descent` goes on.
 """
 
 from __future__ import annotations
@@ -21,8 +21,8 @@ from collections.abc import Callable
 
 import numpy as np
 
-from kirigami.analysis.control import Control
-from kirigami.analysis.state import Attempt, State
+from kirigami.analysis.path.controls import Control
+from kirigami.analysis.path.points import Attempt, State
 from kirigami.linalg import Factor, SingularMatrixError
 from kirigami.primitives.kernel import Array
 from kirigami.system.system import System

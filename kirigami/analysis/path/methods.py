@@ -11,10 +11,10 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from kirigami.analysis.base import require_drive
-from kirigami.analysis.control import ArcLengthControl, Control, LoadFactorControl, SingleDisplacementControl
-from kirigami.analysis.increments import Increments, ordered_targets
-from kirigami.analysis.state import Point, State, Tangent
-from kirigami.analysis.walk import PathAnalysis
+from kirigami.analysis.path.controls import ArcLengthControl, Control, LoadFactorControl, SingleDisplacementControl
+from kirigami.analysis.path.follow import PathAnalysis
+from kirigami.analysis.path.increments import Increments, ordered_targets
+from kirigami.analysis.path.points import Point, State, Tangent
 from kirigami.errors import ModelError
 from kirigami.model.constraints import AXES
 from kirigami.model.model import Model

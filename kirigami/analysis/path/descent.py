@@ -9,7 +9,7 @@ iteration is made positive definite first, by one of two means, and only as far 
   pseudo-transient continuation (Kelley and Keyes, SIAM J. Numer. Anal. 35 (1998)); the shift is one over the time step.
 
 With no negative pivot the iteration is Newton's, with the mixed stress and the cap on rotations of
-:mod:`kirigami.analysis.newton`, so nothing is lost on smooth parts of the path. After each factorisation a few more
+:mod:`kirigami.analysis.path.newton`, so nothing is lost on smooth parts of the path. After each factorisation a few more
 corrections use the same factor (chord steps) as long as the residual falls well: they cost a twentieth of it.
 An equilibrium found is tested with the exact tangent, and left along its softest mode if it is unstable.
 """
@@ -21,8 +21,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from kirigami.analysis.newton import ROTATION_CAP
-from kirigami.analysis.state import Attempt, State
+from kirigami.analysis.path.newton import ROTATION_CAP
+from kirigami.analysis.path.points import Attempt, State
 from kirigami.linalg import Factor, SingularMatrixError, inverse_iteration
 from kirigami.primitives.kernel import Array
 from kirigami.system.system import System

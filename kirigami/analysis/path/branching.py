@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import Protocol
 
-from kirigami.analysis.control import Control, ModeControl
-from kirigami.analysis.state import Attempt, Point, State, Tangent
+from kirigami.analysis.path.controls import Control, ModeControl
+from kirigami.analysis.path.points import Attempt, Point, State, Tangent
 from kirigami.primitives.kernel import Array
 from kirigami.results.results import Results
 from kirigami.results.step import Event, Step

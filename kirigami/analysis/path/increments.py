@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import ArrayLike
 
-from kirigami.analysis.state import Attempt
+from kirigami.analysis.path.points import Attempt
 from kirigami.errors import ModelError
 
 WANTED_ITERATIONS = 6  # increments grow or shrink towards this many corrections

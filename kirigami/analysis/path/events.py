@@ -13,8 +13,8 @@ from typing import Protocol
 import numpy as np
 
 from kirigami.analysis.base import first_largest, make_step
-from kirigami.analysis.control import Control, LoadFactorControl
-from kirigami.analysis.state import Attempt, Point, Tangent
+from kirigami.analysis.path.controls import Control, LoadFactorControl
+from kirigami.analysis.path.points import Attempt, Point, Tangent
 from kirigami.linalg import SingularMatrixError, factorize, inverse_iteration
 from kirigami.primitives.kernel import Array
 from kirigami.results.results import Results

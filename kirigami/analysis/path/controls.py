@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from kirigami.analysis.state import Attempt, Point, State, Tangent
+from kirigami.analysis.path.points import Attempt, Point, State, Tangent
 from kirigami.errors import ModelError
 from kirigami.model.constraints import AXES
 from kirigami.primitives.kernel import Array

@@ -17,8 +17,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from kirigami.analysis.increments import Increments
-from kirigami.analysis.state import Attempt, Point, State
+from kirigami.analysis.path.increments import Increments
+from kirigami.analysis.path.points import Attempt, Point, State
 from kirigami.errors import AnalysisError, ModelError
 from kirigami.linalg import SingularMatrixError
 from kirigami.model.model import Model
@@ -28,7 +28,7 @@ from kirigami.results.results import Results
 from kirigami.results.step import Step
 
 if TYPE_CHECKING:
-    from kirigami.analysis.walk import PathAnalysis
+    from kirigami.analysis.path.follow import PathAnalysis
     from kirigami.system.system import System
 
 BUSY = 20  # a checkpoint waits until this many times the seconds that the last one took have passed

@@ -16,14 +16,14 @@ from typing import Any, NoReturn
 import numpy as np
 
 from kirigami.analysis.base import Analysis, make_step
-from kirigami.analysis.branch import leave_along_mode, switch
-from kirigami.analysis.checkpoint import Checkpoint, fingerprint, resume_walk, settings_of
-from kirigami.analysis.control import Control, LoadFactorControl
-from kirigami.analysis.descent import CORRECTORS, descend
-from kirigami.analysis.events import JumpError, report_events
-from kirigami.analysis.increments import Increments
-from kirigami.analysis.newton import correct
-from kirigami.analysis.state import Attempt, Point, State, Tangent
+from kirigami.analysis.path.branching import leave_along_mode, switch
+from kirigami.analysis.path.checkpoint import Checkpoint, fingerprint, resume_walk, settings_of
+from kirigami.analysis.path.controls import Control, LoadFactorControl
+from kirigami.analysis.path.descent import CORRECTORS, descend
+from kirigami.analysis.path.events import JumpError, report_events
+from kirigami.analysis.path.increments import Increments
+from kirigami.analysis.path.newton import correct
+from kirigami.analysis.path.points import Attempt, Point, State, Tangent
 from kirigami.errors import ConvergenceError, KirigamiWarning, ModelError
 from kirigami.linalg import Factor, SingularMatrixError, one_thread
 from kirigami.model.model import Model

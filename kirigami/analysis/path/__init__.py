@@ -1,0 +1,1 @@
+"""Path following: load control, displacement control, arc length."""
