@@ -74,7 +74,7 @@ def pictures() -> None:
     """Both states, and the difference over the force."""
     import matplotlib.pyplot as plt
 
-    from kirigami.plot_lattice import plot_tiling
+    from kirigami.lattice.picture import plot_tiling
 
     figure, axes = plt.subplots(2, 1, figsize=(6.5, 6), layout="constrained")
     piece, pins, left, right = lattice(math.pi / 16)

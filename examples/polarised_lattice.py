@@ -21,8 +21,8 @@ import numpy as np
 
 import kirigami as kg
 from kirigami import tilings
-from kirigami.bloch import polarization
-from kirigami.framework import Framework
+from kirigami.lattice.bloch import polarization
+from kirigami.lattice.framework import Framework
 
 JOINT = 1e-6
 ANGLES = (1.08, 1.25, 1.40, 1.52, 1.63, 1.72, 1.75, 1.92, 2.00, 2.20, 2.30, 2.40)
@@ -118,7 +118,7 @@ def pictures() -> None:
     """Hard and soft edge pushed at one hinge, the stiffness of both edges over the twist, and the twist itself."""
     import matplotlib.pyplot as plt
 
-    from kirigami.plot_lattice import animate_path, plot_tiling
+    from kirigami.lattice.picture import animate_path, plot_tiling
 
     figure, axes = plt.subplots(2, 1, figsize=(6.5, 6.2), layout="constrained")
     piece, bottom, top = lattice(1.92, 15, 10)

@@ -98,7 +98,7 @@ def pictures() -> None:
     """States at three strains, the opening of the closed state, and an animation."""
     import matplotlib.pyplot as plt
 
-    from kirigami.plot_lattice import animate_path, plot_results_panels
+    from kirigami.lattice.picture import animate_path, plot_results_panels
 
     piece, results, _, along, _ = stretch(angle=0.3, strain=0.22, cells=3)
     figure, axes = plt.subplots(1, 3, figsize=(10, 3.8), layout="constrained")

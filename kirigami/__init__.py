@@ -42,9 +42,9 @@ _HOME = {
     "Step": "results.step",
     "Event": "results.step",
     "load": "results.archive",
-    "Framework": "framework",
-    "Rigidity": "framework",
-    "PeriodicCell": "periodic",
+    "Framework": "lattice.framework",
+    "Rigidity": "lattice.framework",
+    "PeriodicCell": "lattice.periodic",
     "AngleLimit": "effects.angle_limit",
     "Sweep": "sweep",
     "SweepTable": "sweep_table",
@@ -58,21 +58,19 @@ _HOME = {
     "KirigamiWarning": "errors",
 }
 _MODULES = {
-    "bloch": "bloch",
+    "bloch": "lattice.bloch",
     "cuts": "geometry.cuts",
     "stiffness": "elements.stiffness",
     "study": "study",
     "plot": "plot",
-    "tilings": "tilings",
+    "tilings": "lattice.tilings",
 }
 
 __all__ = ["__version__", *_HOME, *_MODULES]
 
 if TYPE_CHECKING:
-    from kirigami import bloch as bloch
     from kirigami import plot as plot
     from kirigami import study as study
-    from kirigami import tilings as tilings
     from kirigami.analysis.buckling import Buckling as Buckling
     from kirigami.analysis.eigen import Eigen as Eigen
     from kirigami.analysis.eigen import Mode as Mode
@@ -95,18 +93,20 @@ if TYPE_CHECKING:
     from kirigami.errors import KirigamiWarning as KirigamiWarning
     from kirigami.errors import MechanismError as MechanismError
     from kirigami.errors import ModelError as ModelError
-    from kirigami.framework import Framework as Framework
-    from kirigami.framework import Rigidity as Rigidity
     from kirigami.geometry import cuts as cuts
     from kirigami.geometry.mesh import TriMesh as TriMesh
     from kirigami.geometry.normals import Normal as Normal
     from kirigami.geometry.sheet import Sheet as Sheet
+    from kirigami.lattice import bloch as bloch
+    from kirigami.lattice import tilings as tilings
+    from kirigami.lattice.framework import Framework as Framework
+    from kirigami.lattice.framework import Rigidity as Rigidity
+    from kirigami.lattice.periodic import PeriodicCell as PeriodicCell
     from kirigami.model.constraints import Fix as Fix
     from kirigami.model.constraints import Prescribe as Prescribe
     from kirigami.model.constraints import Tie as Tie
     from kirigami.model.loads import NodalLoad as NodalLoad
     from kirigami.model.model import Model as Model
-    from kirigami.periodic import PeriodicCell as PeriodicCell
     from kirigami.primitives.kernel import Contribution as Contribution
     from kirigami.primitives.kernel import Kernel as Kernel
     from kirigami.primitives.kernel import check_kernel as check_kernel

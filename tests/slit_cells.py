@@ -14,7 +14,7 @@ import numpy as np
 import shapely
 
 import kirigami as kg
-from kirigami.periodic import PeriodicCell
+from kirigami.lattice.periodic import PeriodicCell
 
 Slit = tuple[tuple[float, float], tuple[float, float]]  # its ends, on one side of the quarter
 SIDES = ("left", "right", "bottom", "top")

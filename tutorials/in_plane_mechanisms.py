@@ -13,9 +13,9 @@ import numpy as np
 
 import kirigami as kg
 from kirigami import tilings
-from kirigami.bloch import guest_modes, polarization
-from kirigami.framework import Framework
-from kirigami.periodic import PeriodicCell
+from kirigami.lattice.bloch import guest_modes, polarization
+from kirigami.lattice.framework import Framework
+from kirigami.lattice.periodic import PeriodicCell
 
 # %% [markdown]
 # ## One hinge

@@ -10,8 +10,8 @@ import pytest
 
 import kirigami as kg
 from kirigami import tilings
-from kirigami.bloch import bands, guest_modes, polarization, winding_numbers
-from kirigami.framework import Framework
+from kirigami.lattice.bloch import bands, guest_modes, polarization, winding_numbers
+from kirigami.lattice.framework import Framework
 
 # Sides (OR, OS, RS), critical angles, and windings interval by interval in one gauge; only differences count.
 TABLE = [

@@ -9,7 +9,7 @@ import pytest
 
 import kirigami as kg
 from kirigami import tilings
-from kirigami.framework import Framework
+from kirigami.lattice.framework import Framework
 
 
 def _framework(

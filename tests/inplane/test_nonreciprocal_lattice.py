@@ -11,7 +11,7 @@ from lattices import node_at, script
 
 import kirigami as kg
 from kirigami import tilings
-from kirigami.framework import Framework
+from kirigami.lattice.framework import Framework
 
 EXAMPLE = script("examples", "nonreciprocal_lattice")
 LEAN = math.pi / 16

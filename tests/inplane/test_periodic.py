@@ -7,7 +7,7 @@ import pytest
 
 import kirigami as kg
 from kirigami import tilings
-from kirigami.periodic import PeriodicCell
+from kirigami.lattice.periodic import PeriodicCell
 
 
 def _triangular(dim: int, cells: int = 3, jitter: float = 0.0) -> tuple[kg.Model, np.ndarray]:

@@ -15,8 +15,8 @@ from matplotlib.colors import to_rgb
 
 import kirigami as kg
 from kirigami import tilings
-from kirigami.framework import Framework
-from kirigami.plot_lattice import MOVED, REST, animate_path, plot_mode, plot_results_panels, plot_tiling
+from kirigami.lattice.framework import Framework
+from kirigami.lattice.picture import MOVED, REST, animate_path, plot_mode, plot_results_panels, plot_tiling
 
 PIECE = tilings.rotating_squares(0.6).patch(2, 1)
 

@@ -8,8 +8,8 @@ from lattices import script
 
 import kirigami as kg
 from kirigami import tilings
-from kirigami.bloch import polarization
-from kirigami.framework import Framework
+from kirigami.lattice.bloch import polarization
+from kirigami.lattice.framework import Framework
 
 EXAMPLE = script("examples", "polarised_lattice")
 

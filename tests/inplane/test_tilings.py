@@ -12,8 +12,8 @@ from hypothesis import strategies as st
 
 import kirigami as kg
 from kirigami import tilings
-from kirigami.framework import Framework
-from kirigami.tilings.panel import braces
+from kirigami.lattice.framework import Framework
+from kirigami.lattice.tilings.panel import braces
 
 SQUARE = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])
 

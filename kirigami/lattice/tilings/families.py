@@ -7,9 +7,9 @@ import math
 import numpy as np
 
 from kirigami.errors import GeometryError
+from kirigami.lattice.tilings.tiling import Tiling
 from kirigami.primitives.kernel import Array
 from kirigami.primitives.parts import require_finite, require_positive
-from kirigami.tilings.tiling import Tiling
 
 
 def rotating_squares(angle: float, side: float = 1.0) -> Tiling:

@@ -36,7 +36,7 @@ class Ligament:
 
     Examples
     --------
-    >>> from kirigami.tilings import Ligament
+    >>> from kirigami.lattice.tilings import Ligament
     >>> round(Ligament(E=3.5e9, thickness=1e-3, width=0.6e-3, length=1.5e-3).stiffness, 9)
     0.042
     """

@@ -20,8 +20,8 @@ from kirigami.errors import AnalysisError, ModelError
 from kirigami.primitives.kernel import Array
 
 if TYPE_CHECKING:
+    from kirigami.lattice.tilings.tiling import Tiling
     from kirigami.model.model import Model
-    from kirigami.tilings.tiling import Tiling
 
 RANK = 1e-9  # singular values below this share of the largest are zero
 
@@ -46,7 +46,7 @@ class Framework:
     Examples
     --------
     >>> import kirigami as kg
-    >>> from kirigami.framework import Framework
+    >>> from kirigami.lattice.framework import Framework
     >>> m = kg.Model(dim=2)
     >>> a, b, c, d = m.add(kg.Node(0, 0), kg.Node(1, 0), kg.Node(1, 1), kg.Node(0, 1))
     >>> bars = m.add(*(kg.Bar(p, q, EA=1.0) for p, q in ((a, b), (b, c), (c, d), (d, a))))
@@ -201,7 +201,7 @@ class Framework:
         Examples
         --------
         >>> import kirigami as kg, numpy as np
-        >>> from kirigami.framework import Framework
+        >>> from kirigami.lattice.framework import Framework
         >>> m = kg.Model(dim=2)
         >>> a, b = m.add(kg.Node(0, 0), kg.Node(1, 0))
         >>> objects = m.add(kg.Bar(a, b, EA=1.0), kg.Fix(a))

@@ -49,7 +49,7 @@ class PeriodicCell:
     Examples
     --------
     >>> from kirigami import tilings
-    >>> from kirigami.periodic import PeriodicCell
+    >>> from kirigami.lattice.periodic import PeriodicCell
     >>> squares = tilings.rotating_squares(angle=0.6)
     >>> m = squares.model(EA=1e4, stiffness=1.0)
     >>> cell = PeriodicCell(m, squares.lattice, squares.images)

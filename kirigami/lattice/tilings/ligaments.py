@@ -9,9 +9,9 @@ import numpy as np
 import shapely
 
 from kirigami.errors import GeometryError
+from kirigami.lattice.tilings.polygons import from_polygons
+from kirigami.lattice.tilings.tiling import Tiling, place_of
 from kirigami.primitives.parts import require_positive
-from kirigami.tilings.polygons import from_polygons
-from kirigami.tilings.tiling import Tiling, place_of
 
 if TYPE_CHECKING:
     from kirigami.geometry.sheet import Sheet
@@ -55,7 +55,7 @@ def panels_of_sheet(sheet: Sheet | shapely.Polygon, neck: float) -> tuple[Tiling
     Examples
     --------
     >>> import shapely
-    >>> from kirigami.tilings import panels_of_sheet
+    >>> from kirigami.lattice.tilings import panels_of_sheet
     >>> sheet = shapely.union_all([shapely.box(0, 0, 4, 4), shapely.box(4, 1.9, 5, 2.1), shapely.box(5, 0, 9, 4)])
     >>> tiling, (neck,) = panels_of_sheet(sheet, neck=0.5)
     >>> print(tiling, round(neck.length, 3), round(neck.width, 3))

@@ -16,9 +16,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from kirigami.errors import GeometryError, ModelError
+from kirigami.lattice.tilings.panel import Ligament, braces
 from kirigami.primitives.kernel import Array
 from kirigami.primitives.parts import require_finite, require_positive
-from kirigami.tilings.panel import Ligament, braces
 
 if TYPE_CHECKING:
     from kirigami.effects.angle_limit import AngleLimit
@@ -73,7 +73,7 @@ class Tiling:
 
     Examples
     --------
-    >>> from kirigami.tilings import Tiling
+    >>> from kirigami.lattice.tilings import Tiling
     >>> pair = Tiling([[0, 0], [1, 0], [0, 1], [-1, 0], [0, -1]], [[0, 1, 2], [0, 3, 4]])
     >>> print(pair)
     Tiling of 2 panels with 1 joint
@@ -327,7 +327,7 @@ class Tiling:
         -------
         Model
             ``model.nodes[k]`` stands at ``vertices[k]``. Images of a periodic tiling are nodes of their own, to be tied
-            with :class:`kirigami.periodic.PeriodicCell`.
+            with :class:`kirigami.lattice.periodic.PeriodicCell`.
 
         Raises
         ------

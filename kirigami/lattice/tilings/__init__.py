@@ -8,11 +8,17 @@ Tiling of 24 panels with 38 joints
 
 from __future__ import annotations
 
-from kirigami.tilings.families import critical_angles, kagome, rotating_squares, rotating_triangles, square_rhombus
-from kirigami.tilings.ligaments import Neck, ligament_sheet, panels_of_sheet
-from kirigami.tilings.panel import Ligament
-from kirigami.tilings.polygons import from_polygons
-from kirigami.tilings.tiling import Gap, Tiling
+from kirigami.lattice.tilings.families import (
+    critical_angles,
+    kagome,
+    rotating_squares,
+    rotating_triangles,
+    square_rhombus,
+)
+from kirigami.lattice.tilings.ligaments import Neck, ligament_sheet, panels_of_sheet
+from kirigami.lattice.tilings.panel import Ligament
+from kirigami.lattice.tilings.polygons import from_polygons
+from kirigami.lattice.tilings.tiling import Gap, Tiling
 
 __all__ = [
     "Gap",

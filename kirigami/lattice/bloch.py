@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from kirigami.errors import ModelError
-from kirigami.framework import RANK, Framework
+from kirigami.lattice.framework import RANK, Framework
 from kirigami.primitives.kernel import Array
 
 TURN = 2 * math.pi
@@ -40,7 +40,7 @@ def bands(framework: Framework, phases: ArrayLike) -> Array:
     Examples
     --------
     >>> from kirigami import tilings
-    >>> from kirigami.framework import Framework
+    >>> from kirigami.lattice.framework import Framework
     >>> cell = Framework.from_tiling(tilings.kagome(angle=1.75))
     >>> bool(bands(cell, [1.0, 0.5])[0] > 0.01), round(abs(float(bands(cell, [0.0, 0.0])[1])), 9)
     (True, 0.0)
@@ -85,7 +85,7 @@ def guest_modes(framework: Framework) -> list[GuestMode]:
     Examples
     --------
     >>> from kirigami import tilings
-    >>> from kirigami.framework import Framework
+    >>> from kirigami.lattice.framework import Framework
     >>> twist, = guest_modes(Framework.from_tiling(tilings.rotating_triangles(angle=1.2)))
     >>> round(twist.poisson, 9)
     -1.0
@@ -137,7 +137,7 @@ def winding_numbers(framework: Framework, at: float = 1.0) -> tuple[int, ...]:
     Examples
     --------
     >>> from kirigami import tilings
-    >>> from kirigami.framework import Framework
+    >>> from kirigami.lattice.framework import Framework
     >>> [winding_numbers(Framework.from_tiling(tilings.kagome(angle))) for angle in (1.08, 1.63)]
     [(0, 1), (1, 0)]
     """
@@ -199,7 +199,7 @@ def polarization(framework: Framework, at: float = 1.0) -> Array:
     Examples
     --------
     >>> from kirigami import tilings
-    >>> from kirigami.framework import Framework
+    >>> from kirigami.lattice.framework import Framework
     >>> [(polarization(Framework.from_tiling(tilings.kagome(angle))) + 0).tolist() for angle in (1.08, 1.75)]
     [[0.0, 0.0], [0.0, 1.0]]
     """

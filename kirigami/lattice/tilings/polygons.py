@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from kirigami.errors import GeometryError
-from kirigami.tilings.tiling import Tiling, place_of
+from kirigami.lattice.tilings.tiling import Tiling, place_of
 
 
 def from_polygons(
@@ -34,7 +34,7 @@ def from_polygons(
 
     Examples
     --------
-    >>> from kirigami.tilings import from_polygons
+    >>> from kirigami.lattice.tilings import from_polygons
     >>> square = [[0, 0], [1, 0], [1, 1], [0, 1]]
     >>> print(from_polygons([square, [[1, 1], [2, 1], [2, 2]]]))
     Tiling of 2 panels with 1 joint

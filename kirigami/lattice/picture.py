@@ -18,8 +18,8 @@ from kirigami.plot.style import styled
 from kirigami.primitives.kernel import Array
 
 if TYPE_CHECKING:
+    from kirigami.lattice.tilings.tiling import Tiling
     from kirigami.results.results import Results
-    from kirigami.tilings.tiling import Tiling
 
 REST = "#c9a27c"
 REST_EDGE = "#8a623a"

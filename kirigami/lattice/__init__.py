@@ -1,0 +1,1 @@
+"""In-plane mechanisms: tilings, bar frameworks, periodic cells, Bloch waves."""
