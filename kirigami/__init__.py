@@ -46,9 +46,9 @@ _HOME = {
     "Rigidity": "lattice.framework",
     "PeriodicCell": "lattice.periodic",
     "AngleLimit": "effects.angle_limit",
-    "Sweep": "sweep",
-    "SweepTable": "sweep_table",
-    "latin_hypercube": "sampling",
+    "Sweep": "sweep.sweep",
+    "SweepTable": "sweep.table",
+    "latin_hypercube": "sweep.sampling",
     "KirigamiError": "errors",
     "GeometryError": "errors",
     "ModelError": "errors",
@@ -116,9 +116,9 @@ if TYPE_CHECKING:
     from kirigami.results.results import Results as Results
     from kirigami.results.step import Event as Event
     from kirigami.results.step import Step as Step
-    from kirigami.sampling import latin_hypercube as latin_hypercube
-    from kirigami.sweep import Sweep as Sweep
-    from kirigami.sweep_table import SweepTable as SweepTable
+    from kirigami.sweep.sampling import latin_hypercube as latin_hypercube
+    from kirigami.sweep.sweep import Sweep as Sweep
+    from kirigami.sweep.table import SweepTable as SweepTable
     from kirigami.system.system import System as System
 
 

@@ -20,8 +20,8 @@ from kirigami.model.model import Model
 from kirigami.primitives.kernel import Array
 from kirigami.primitives.parts import Node, require_positive
 from kirigami.results.results import Results
-from kirigami.sweep import Sweep
-from kirigami.sweep_table import SweepTable
+from kirigami.sweep.sweep import Sweep
+from kirigami.sweep.table import SweepTable
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -15,8 +15,8 @@ from typing import Any
 import numpy as np
 
 from kirigami.errors import KirigamiWarning, ModelError
-from kirigami.sweep_table import RESERVED, Row, SweepLog, SweepTable, log_path
-from kirigami.sweep_workers import Runner, failure, name_of, plain, runner_for
+from kirigami.sweep.table import RESERVED, Row, SweepLog, SweepTable, log_path
+from kirigami.sweep.workers import Runner, failure, name_of, plain, runner_for
 
 TABLE_PAUSE = 5.0  # shortest time between two copies of the table while designs come in [s]
 LOOK_AROUND = 1.0  # longest time without a look at Ctrl-C and at new workers [s]

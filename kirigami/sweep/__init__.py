@@ -1,0 +1,1 @@
+"""Many designs of any function: samples, workers, a resumable table."""
