@@ -58,7 +58,7 @@ def run(options: argparse.Namespace) -> int:
     import kirigami as kg
     from kirigami.drawing.drawing import Drawing
     from kirigami.io.convert import read_drawing
-    from kirigami.stretch import pulled_sheet
+    from kirigami.study.stretch import pulled_sheet
 
     say = speaker(options)
     if options.drawing is None:

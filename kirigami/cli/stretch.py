@@ -79,7 +79,7 @@ def run(options: argparse.Namespace) -> int:
     """Stretch a drawing and write the report."""
     import matplotlib
 
-    from kirigami.stretch import stretch, write_report
+    from kirigami.study.stretch import stretch, write_report
 
     matplotlib.use("Agg")  # files only: no window, no display needed
     say = speaker(options)

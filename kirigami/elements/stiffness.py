@@ -32,8 +32,8 @@ from kirigami.primitives.kernel import Array
 from kirigami.primitives.parts import Material, require_positive
 
 if TYPE_CHECKING:
-    from kirigami.effective import EffectiveProperties
     from kirigami.geometry.mesh import TriMesh
+    from kirigami.study.effective import EffectiveProperties
 
 RUNGS = ("paper", "plate", "facet", "split")  # from cheap to accurate
 
@@ -112,8 +112,8 @@ def report(
     material: Material | None = None,
     stiffness: str | Calibration = "plate",
 ) -> EffectiveProperties:
-    """Elastic constants that a mesh represents; see :func:`kirigami.effective.report`."""
-    from kirigami.effective import report as computed
+    """Elastic constants that a mesh represents; see :func:`kirigami.study.effective.report`."""
+    from kirigami.study.effective import report as computed
 
     return computed(mesh, thickness, material, stiffness)
 

@@ -139,7 +139,7 @@ class ImperfectionStudy:
 
     def plot(self) -> Figure:
         """The seeds, the final shapes, and which seed leads where (see :mod:`kirigami.plot`)."""
-        from kirigami.study.picture import draw_study
+        from kirigami.study.imperfection_picture import draw_study
 
         return draw_study(self)
 

@@ -20,7 +20,7 @@ from kirigami.io.convert import (
     write_drawing,
     write_mesh,
 )
-from kirigami.stretch import stretch, write_report
+from kirigami.study.stretch import stretch, write_report
 
 DRAWINGS = Path(__file__).parents[1] / "data" / "drawings"
 
