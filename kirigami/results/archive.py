@@ -173,7 +173,7 @@ def _rebuild(head: dict[str, Any], data: dict[str, Any]) -> Results:
         values = {key[len(prefix) :]: value for key, value in data.items() if key.startswith(prefix)}
         if entry["class"] not in KERNELS:
             raise AnalysisError(
-                f"the results hold a {entry['class']}, which is no kernel of this package: only those are read from files"
+                f"the results hold a {entry['class']}, no kernel of this package: only those are read from files"
             )
         cls = getattr(importlib.import_module(f"kirigami.{KERNELS[entry['class']]}"), entry["class"])
         results.kernels.append(cls(rest, **values, **entry["values"]))
@@ -215,7 +215,7 @@ def unpack_path(head: dict[str, Any], data: dict[str, Any]) -> tuple[list[Step],
 
 
 def _unpack_format_1(head: dict[str, Any], data: dict[str, Any]) -> tuple[list[Step], list[Event]]:
-    """The steps and events of a file of format 1, which kept displacements of a located event and nothing else of it."""
+    """The steps and events of a file of format 1, which kept of a located event nothing but its displacements."""
     steps = []
     for index, (negative, residual, over_reaction, iterations, stage) in enumerate(head["steps"]):
         history = tuple(

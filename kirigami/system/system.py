@@ -1,7 +1,8 @@
 """System: a model lowered once into kernels, numbered, constrained and ready to be assembled.
 
-The numbering of the unknowns is in :mod:`kirigami.system.unknowns`. Assembly goes through node blocks: each Hessian block of
-each kernel adds to the block of its node pair (lower number first), and the reduced matrix picks its entries there.
+The numbering of the unknowns is in :mod:`kirigami.system.unknowns`. Assembly goes through node blocks: each Hessian
+block of each kernel adds to the block of its node pair (lower number first), and the reduced matrix picks its entries
+there.
 """
 
 from __future__ import annotations

@@ -9,8 +9,8 @@ iteration is made positive definite first, by one of two means, and only as far 
   pseudo-transient continuation (Kelley and Keyes, SIAM J. Numer. Anal. 35 (1998)); the shift is one over the time step.
 
 With no negative pivot the iteration is Newton's, with the mixed stress and the cap on rotations of
-:mod:`kirigami.analysis.path.newton`, so nothing is lost on smooth parts of the path. After each factorisation a few more
-corrections use the same factor (chord steps) as long as the residual falls well: they cost a twentieth of it.
+:mod:`kirigami.analysis.path.newton`, so nothing is lost on smooth parts of the path. After each factorisation a few
+more corrections use the same factor (chord steps) as long as the residual falls well: they cost a twentieth of it.
 An equilibrium found is tested with the exact tangent, and left along its softest mode if it is unstable.
 """
 
