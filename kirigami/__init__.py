@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING, Any
 __version__ = "0.1.0"
 
 _HOME = {
-    "Material": "primitives.parts",
-    "Node": "primitives.parts",
+    "Material": "primitives.material",
+    "Node": "primitives.node",
     "Model": "model.model",
     "Bar": "elements.bar",
     "BendHinge": "elements.bend_hinge",
@@ -28,12 +28,12 @@ _HOME = {
     "System": "system.system",
     "Kernel": "primitives.kernel",
     "Contribution": "primitives.kernel",
-    "check_kernel": "primitives.kernel",
+    "check_kernel": "primitives.check_kernel",
     "Sheet": "geometry.sheet",
     "TriMesh": "geometry.mesh",
     "LinearStatic": "analysis.linear",
     "Eigen": "analysis.eigen",
-    "Mode": "analysis.eigen",
+    "Mode": "analysis.modes",
     "Buckling": "analysis.buckling",
     "LoadControl": "analysis.path.methods",
     "DisplacementControl": "analysis.path.methods",
@@ -73,8 +73,8 @@ if TYPE_CHECKING:
     from kirigami import study as study
     from kirigami.analysis.buckling import Buckling as Buckling
     from kirigami.analysis.eigen import Eigen as Eigen
-    from kirigami.analysis.eigen import Mode as Mode
     from kirigami.analysis.linear import LinearStatic as LinearStatic
+    from kirigami.analysis.modes import Mode as Mode
     from kirigami.analysis.path.methods import ArcLength as ArcLength
     from kirigami.analysis.path.methods import DisplacementControl as DisplacementControl
     from kirigami.analysis.path.methods import LoadControl as LoadControl
@@ -107,11 +107,11 @@ if TYPE_CHECKING:
     from kirigami.model.constraints import Tie as Tie
     from kirigami.model.loads import NodalLoad as NodalLoad
     from kirigami.model.model import Model as Model
+    from kirigami.primitives.check_kernel import check_kernel as check_kernel
     from kirigami.primitives.kernel import Contribution as Contribution
     from kirigami.primitives.kernel import Kernel as Kernel
-    from kirigami.primitives.kernel import check_kernel as check_kernel
-    from kirigami.primitives.parts import Material as Material
-    from kirigami.primitives.parts import Node as Node
+    from kirigami.primitives.material import Material as Material
+    from kirigami.primitives.node import Node as Node
     from kirigami.results.archive import load as load
     from kirigami.results.results import Results as Results
     from kirigami.results.step import Event as Event

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any, cast
 if TYPE_CHECKING:
     from kirigami.geometry.sheet import Sheet
     from kirigami.model.model import Model
-    from kirigami.primitives.parts import Material
+    from kirigami.primitives.material import Material
     from kirigami.results.results import Results
 
 PathLike = str | os.PathLike[str]

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import importlib
+import json
 import os
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-from kirigami.errors import KirigamiError
+from kirigami.errors import GeometryError, KirigamiError
 
 
 @contextmanager
@@ -83,3 +84,18 @@ def library(name: str, purpose: str, extra: str = "io") -> Any:
         raise KirigamiError(
             f'{purpose} needs {package}: pip install {package}, or pip install "kirigami-mechanics[{extra}]" ({error})'
         ) from error
+
+
+def read_json(path: Path, kind: str) -> Any:
+    """The contents of a JSON file, or a GeometryError that names file and line."""
+    if not path.is_file():
+        raise GeometryError(f"there is no file {path}")
+    try:
+        text = path.read_text(encoding="utf-8-sig")
+        if not text.strip():
+            raise GeometryError(f"{path} is empty")
+        return json.loads(text)
+    except json.JSONDecodeError as error:
+        raise GeometryError(f"{path} is no {kind} file: {error.msg} in line {error.lineno}") from None
+    except UnicodeDecodeError:
+        raise GeometryError(f"{path} is no {kind} file: it is not text") from None

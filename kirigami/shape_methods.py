@@ -13,7 +13,7 @@ from kirigami.primitives.kernel import Array
 
 if TYPE_CHECKING:
     from kirigami.geometry.mesh import TriMesh
-    from kirigami.primitives.parts import Material
+    from kirigami.primitives.material import Material
     from kirigami.results.results import Results
     from kirigami.results.stress import SheetStress
 

@@ -20,7 +20,7 @@ import shapely
 from scipy.integrate import trapezoid
 
 import kirigami as kg
-from kirigami.io.convert import read_drawing
+from kirigami.drawing.convert import read_drawing
 
 # %% [markdown]
 # ## The drawing

@@ -18,7 +18,8 @@ from scipy.optimize import brentq
 
 import kirigami as kg
 from kirigami.primitives.kernel import Array, Contribution, Kernel, displacement_of
-from kirigami.primitives.parts import ModelObject, Node, Numbering
+from kirigami.primitives.node import Node
+from kirigami.primitives.parts import ModelObject, Numbering
 
 # %% [markdown]
 # ## The file

@@ -93,9 +93,3 @@ def require_drive(system: System, owner: str, constant_counts: bool = False) -> 
     if constant_counts and (system.held.any() or any(kernel.pairs == () for kernel in system.kernels)):
         return
     raise ModelError(f"{owner}: nothing drives the model; add a NodalLoad, or a Prescribe with a value other than zero")
-
-
-def first_largest(values: Array) -> int:
-    """Index of the first entry whose size is the largest up to rounding, so that signs are repeatable."""
-    size = np.abs(values)
-    return int(np.flatnonzero(size >= size.max() * (1 - 1e-6))[0])

@@ -7,8 +7,7 @@ from typing import Any
 import numpy as np
 
 from kirigami.analysis.base import Analysis, require_drive
-from kirigami.analysis.eigen import Modes
-from kirigami.analysis.path.events import nodal_shape
+from kirigami.analysis.modes import Modes, nodal_shape
 from kirigami.errors import AnalysisError, ModelError
 from kirigami.linalg import Factor
 from kirigami.model.model import Model

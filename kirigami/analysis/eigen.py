@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from kirigami.analysis.base import Analysis, first_largest
+from kirigami.analysis.base import Analysis
+from kirigami.analysis.modes import Modes, first_largest
 from kirigami.errors import ModelError
 from kirigami.linalg import Factor, SingularMatrixError, inverse_iteration, smallest_eigenpairs
 from kirigami.model.model import Model
@@ -19,57 +18,6 @@ from kirigami.results.step import Step
 from kirigami.system.system import System
 
 FAR, ROUNDING = 30.0, 1e-5  # lowest eigenvalues over the shift: below the first it is too far, below the second noise
-
-
-@dataclass(frozen=True, eq=False)
-class Mode:
-    """One eigenmode.
-
-    Attributes
-    ----------
-    value : float
-        Eigenvalue: stiffness over mass of the shape.
-    shape : ndarray, shape (n, 3)
-        Largest component 1, the first of the largest entries positive.
-
-    Examples
-    --------
-    >>> import kirigami as kg
-    >>> m = kg.Model(dim=2)
-    >>> a, b = m.add(kg.Node(0, 0), kg.Node(1, 0))
-    >>> objects = m.add(kg.Bar(a, b, EA=3.0), kg.Fix(a), kg.Fix(b, "y"))
-    >>> kg.Eigen(m, n=1).run()[0]
-    Mode(value=3)
-    """
-
-    value: float
-    shape: Array
-
-    def __array__(self, dtype: Any = None, copy: bool | None = None) -> Array:
-        return np.array(self.shape, dtype=dtype)
-
-    def __repr__(self) -> str:
-        return f"Mode(value={self.value:.6g})"
-
-
-@dataclass(frozen=True, eq=False)
-class Modes:
-    """Eigenmodes in ascending order of their values; index or loop to get each :class:`Mode`."""
-
-    values: Array
-    shapes: Array
-
-    def __len__(self) -> int:
-        return len(self.values)
-
-    def __getitem__(self, index: int) -> Mode:
-        return Mode(float(self.values[index]), self.shapes[index])
-
-    def __iter__(self) -> Iterator[Mode]:
-        return (self[index] for index in range(len(self)))
-
-    def __repr__(self) -> str:
-        return f"<{len(self)} modes, values {self.values[0]:.6g} to {self.values[-1]:.6g}>"
 
 
 class Eigen(Analysis):

@@ -56,8 +56,8 @@ def run(options: argparse.Namespace) -> int:
     import shapely
 
     import kirigami as kg
+    from kirigami.drawing.convert import read_drawing
     from kirigami.drawing.drawing import Drawing
-    from kirigami.io.convert import read_drawing
     from kirigami.study.stretch import pulled_sheet
 
     say = speaker(options)

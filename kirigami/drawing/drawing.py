@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 import warnings
 from collections import Counter
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
@@ -18,7 +18,7 @@ from kirigami.units import metres_per
 
 if TYPE_CHECKING:
     from kirigami.geometry.sheet import Sheet
-    from kirigami.primitives.parts import Material
+    from kirigami.primitives.material import Material
 
 Floats = NDArray[np.float64]
 Names = str | Iterable[str] | None
@@ -383,3 +383,25 @@ def flattened(position: Any, flatness: float) -> Floats:
             break
         t = np.sort(np.concatenate([t, 0.5 * (t[1:] + t[:-1])[rough]]))
     return np.asarray(position(t), dtype=float)
+
+
+def layered(sheet: Any, folds: Iterable[Any] = ()) -> Iterator[tuple[str, Floats, bool]]:
+    """Layer, points (closed curves without the repeated point) and closedness of every line of a sheet."""
+    rings = [sheet.outline.exterior, *sheet.outline.interiors]
+    lines = [("OUTLINE", ring) for ring in rings]
+    lines += [("CUTS", line) for cut in sheet.cuts for line in _lines_of(cut)]
+    lines += [("FOLDS", line) for fold in [*getattr(sheet, "folds", ()), *folds] for line in _lines_of(fold)]
+    for layer, line in lines:
+        points = shapely.get_coordinates(line)
+        closed = len(points) > 3 and bool((points[0] == points[-1]).all())
+        yield layer, points[:-1] if closed else points, closed
+
+
+def _lines_of(geometry: Any) -> Iterator[Any]:
+    if isinstance(geometry, shapely.Polygon):
+        yield from (geometry.exterior, *geometry.interiors)
+    elif hasattr(geometry, "geoms"):
+        for part in geometry.geoms:
+            yield from _lines_of(part)
+    else:
+        yield geometry

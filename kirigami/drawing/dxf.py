@@ -9,7 +9,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import shapely
 
 from kirigami.drawing.drawing import (
     Curve,
@@ -20,6 +19,7 @@ from kirigami.drawing.drawing import (
     assemble,
     color_name,
     flattened,
+    layered,
     scale_of,
     scaled,
 )
@@ -320,25 +320,3 @@ def write_dxf(
     with whole_file(path) as unfinished:
         document.saveas(unfinished)
     return Path(path)
-
-
-def layered(sheet: Any, folds: Iterable[Any] = ()) -> Iterator[tuple[str, Floats, bool]]:
-    """Layer, points (closed curves without the repeated point) and closedness of every line of a sheet."""
-    rings = [sheet.outline.exterior, *sheet.outline.interiors]
-    lines = [("OUTLINE", ring) for ring in rings]
-    lines += [("CUTS", line) for cut in sheet.cuts for line in _lines_of(cut)]
-    lines += [("FOLDS", line) for fold in [*getattr(sheet, "folds", ()), *folds] for line in _lines_of(fold)]
-    for layer, line in lines:
-        points = shapely.get_coordinates(line)
-        closed = len(points) > 3 and bool((points[0] == points[-1]).all())
-        yield layer, points[:-1] if closed else points, closed
-
-
-def _lines_of(geometry: Any) -> Iterator[Any]:
-    if isinstance(geometry, shapely.Polygon):
-        yield from (geometry.exterior, *geometry.interiors)
-    elif hasattr(geometry, "geoms"):
-        for part in geometry.geoms:
-            yield from _lines_of(part)
-    else:
-        yield geometry

@@ -13,11 +13,9 @@ from typing import Any
 import numpy as np
 import shapely
 
-from kirigami.drawing.drawing import Curve, Drawing, Names, Roles, assemble, scale_of, scaled
-from kirigami.drawing.dxf import layered
-from kirigami.drawing.geojson import read_json
+from kirigami.drawing.drawing import Curve, Drawing, Names, Roles, assemble, layered, scale_of, scaled
 from kirigami.errors import GeometryError
-from kirigami.files import whole_file
+from kirigami.files import read_json, whole_file
 from kirigami.geometry.mesh import TriMesh
 from kirigami.results.results import Results
 

@@ -14,7 +14,7 @@ from shapely.geometry import mapping, shape
 
 from kirigami.drawing.drawing import Curve, Drawing, Names, Roles, assemble, scale_of, scaled
 from kirigami.errors import GeometryError
-from kirigami.files import whole_file
+from kirigami.files import read_json, whole_file
 
 ROLE_KEYS = ("role", "layer", "Layer", "name")  # the property of a feature that names its layer, first match
 
@@ -88,21 +88,6 @@ def read_geojson(
         for line in _lines(geometry, f"{path}, {source}"):
             curves.append(Curve(scaled(shapely.get_coordinates(line), factor), layer, "", source))
     return assemble(curves, Roles(outline, cuts, folds, ignore), unit=unit, tolerance=tolerance, notes=notes)
-
-
-def read_json(path: Path, kind: str) -> Any:
-    """The contents of a JSON file, or a GeometryError that names file and line."""
-    if not path.is_file():
-        raise GeometryError(f"there is no file {path}")
-    try:
-        text = path.read_text(encoding="utf-8-sig")
-        if not text.strip():
-            raise GeometryError(f"{path} is empty")
-        return json.loads(text)
-    except json.JSONDecodeError as error:
-        raise GeometryError(f"{path} is no {kind} file: {error.msg} in line {error.lineno}") from None
-    except UnicodeDecodeError:
-        raise GeometryError(f"{path} is no {kind} file: it is not text") from None
 
 
 def _lines(geometry: Any, source: str) -> Iterator[Any]:

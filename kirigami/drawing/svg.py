@@ -25,10 +25,10 @@ from kirigami.drawing.drawing import (
     assemble,
     color_name,
     flattened,
+    layered,
     role_of_name,
     scaled,
 )
-from kirigami.drawing.dxf import layered
 from kirigami.errors import GeometryError, KirigamiWarning
 from kirigami.files import library, whole_file
 from kirigami.units import METRES, metres_per

@@ -21,8 +21,10 @@ from numpy.typing import NDArray
 from kirigami.elements.angle import TURN
 from kirigami.elements.torsion_spring import TorsionSpring3, TorsionSpring3Kernel
 from kirigami.errors import ModelError
+from kirigami.primitives.checks import require_finite, require_positive
 from kirigami.primitives.kernel import Array, Contribution, Kernel
-from kirigami.primitives.parts import ModelObject, Node, Numbering, require_finite, require_positive
+from kirigami.primitives.node import Node
+from kirigami.primitives.parts import ModelObject, Numbering
 
 TOUCHING = 1e-9  # an angle at its limit up to rounding [rad]
 

@@ -32,9 +32,10 @@ from numpy.typing import ArrayLike, NDArray
 
 from kirigami.elements.bar import Bar
 from kirigami.errors import ModelError
-from kirigami.model.constraints import listed
+from kirigami.primitives.checks import require_finite, require_positive
 from kirigami.primitives.kernel import Array, Configuration, Contribution, Kernel
-from kirigami.primitives.parts import ModelObject, Node, Numbering, require_finite, require_positive
+from kirigami.primitives.node import Node, listed
+from kirigami.primitives.parts import ModelObject, Numbering
 
 if TYPE_CHECKING:
     from kirigami.results.results import Results

@@ -23,8 +23,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kirigami.errors import ModelError
+from kirigami.primitives.checks import require_positive
 from kirigami.primitives.kernel import Array, Contribution, Kernel, displacement_of
-from kirigami.primitives.parts import ModelObject, Node, Numbering, require_positive
+from kirigami.primitives.node import Node
+from kirigami.primitives.parts import ModelObject, Numbering
 
 STRAINS = ("green", "engineering")
 LAWS = ("linear", "ogden")

@@ -30,8 +30,10 @@ from numpy.typing import NDArray
 
 from kirigami.elements.angle import AngleKernel
 from kirigami.errors import ModelError
+from kirigami.primitives.checks import require_finite, require_positive
 from kirigami.primitives.kernel import Array, Contribution, Kernel, displacement_of
-from kirigami.primitives.parts import ModelObject, Node, Numbering, require_finite, require_positive
+from kirigami.primitives.node import Node
+from kirigami.primitives.parts import ModelObject, Numbering
 
 COLLINEAR = 1e-10  # a wing lower than this fraction of its edge has no direction
 AT_ONCE = 8_000  # hinges whose second derivatives are worked out together, to spare memory and the processor's cache

@@ -17,7 +17,8 @@ from kirigami.elements.bend_hinge import BendHingeKernel
 from kirigami.elements.stiffness import hinge_stiffness
 from kirigami.errors import ModelError
 from kirigami.primitives.kernel import Array, Configuration, Contribution, Kernel, displacement_of, full_hessian
-from kirigami.primitives.parts import Node, Numbering
+from kirigami.primitives.node import Node
+from kirigami.primitives.parts import Numbering
 
 
 def clamp_kernels(groups: Sequence[Sequence[Node]], numbering: Numbering) -> list[Kernel]:

@@ -45,8 +45,11 @@ from kirigami.elements.triangle import (
 )
 from kirigami.errors import ModelError
 from kirigami.geometry.normals import Normal
+from kirigami.primitives.checks import require_positive
 from kirigami.primitives.kernel import Array, Contribution, Kernel, displacement_of
-from kirigami.primitives.parts import Material, ModelObject, Node, Numbering, require_positive
+from kirigami.primitives.material import Material
+from kirigami.primitives.node import Node
+from kirigami.primitives.parts import ModelObject, Numbering
 
 CHUNK = 512  # facets whose Hessians are made at a time, so that they stay in the processor's cache
 # End slopes are listed edge by edge: slope 2 c is at the start of edge c, slope 2 c + 1 at its end.

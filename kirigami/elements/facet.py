@@ -33,8 +33,11 @@ from kirigami.elements.triangle import (
     without_compression,
 )
 from kirigami.errors import ModelError
+from kirigami.primitives.checks import require_positive
 from kirigami.primitives.kernel import Array, Contribution, Kernel, displacement_of, full_hessian
-from kirigami.primitives.parts import Material, ModelObject, Node, Numbering, require_positive
+from kirigami.primitives.material import Material
+from kirigami.primitives.node import Node
+from kirigami.primitives.parts import ModelObject, Numbering
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -28,8 +28,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from kirigami.errors import ModelError
+from kirigami.primitives.checks import require_positive
 from kirigami.primitives.kernel import Array
-from kirigami.primitives.parts import Material, require_positive
+from kirigami.primitives.material import Material
 
 if TYPE_CHECKING:
     from kirigami.geometry.mesh import TriMesh

@@ -21,8 +21,10 @@ from numpy.typing import NDArray
 
 from kirigami.elements.angle import TURN, AngleKernel
 from kirigami.errors import ModelError
+from kirigami.primitives.checks import require_finite, require_positive
 from kirigami.primitives.kernel import Array, Contribution, Kernel, displacement_of
-from kirigami.primitives.parts import ModelObject, Node, Numbering, require_finite, require_positive
+from kirigami.primitives.node import Node
+from kirigami.primitives.parts import ModelObject, Numbering
 
 
 @dataclass(frozen=True, slots=True, eq=False)

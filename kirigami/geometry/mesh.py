@@ -24,7 +24,7 @@ from kirigami.geometry.topology import (
 )
 
 if TYPE_CHECKING:
-    from kirigami.primitives.parts import Material
+    from kirigami.primitives.material import Material
 
 Integers = NDArray[np.int64]
 Floats = NDArray[np.float64]

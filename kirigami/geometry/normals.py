@@ -9,8 +9,9 @@ from numpy.typing import NDArray
 
 from kirigami.errors import ModelError
 from kirigami.model.model import Model
+from kirigami.primitives.checks import require_positive
 from kirigami.primitives.kernel import Array
-from kirigami.primitives.parts import Node, require_positive
+from kirigami.primitives.node import Node
 
 
 class Normal(Node):

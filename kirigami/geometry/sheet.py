@@ -20,7 +20,7 @@ from kirigami.geometry.triangulate import Triangulation
 from kirigami.geometry.unzip import find_cuts, unzip
 
 if TYPE_CHECKING:
-    from kirigami.primitives.parts import Material
+    from kirigami.primitives.material import Material
 
 CUT_FRACTION = 0.4  # default edge length along cuts, as a fraction of max_edge
 SNAP_PER_EDGE = 200  # the default snapping distance is this part of cut_edge

@@ -2,10 +2,7 @@
 
 from __future__ import annotations
 
-import importlib
-import inspect
 import os
-from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -13,82 +10,14 @@ import numpy as np
 
 import kirigami as kg
 from kirigami import units
+from kirigami.drawing.convert import read_drawing, write_drawing
 from kirigami.errors import GeometryError
 from kirigami.files import library, whole_file
 
 if TYPE_CHECKING:
-    from kirigami.drawing.drawing import Drawing
+    pass
 
-FORMATS = {".dxf": "dxf", ".svg": "svg", ".geojson": "geojson", ".json": "geojson", ".fold": "fold"}
 FACETS = 4000  # aimed at where no edge length is given: a minute or so of work
-
-
-def read_drawing(path: str | os.PathLike[str], **options: Any) -> Drawing:
-    """Read a drawing by the ending of its name: .dxf, .svg, .geojson, .json or .fold.
-
-    Parameters
-    ----------
-    path : path
-        The file.
-    **options
-        As for the reader: :func:`kirigami.drawing.dxf.read_dxf`, :func:`kirigami.drawing.svg.read_svg`,
-        :func:`kirigami.drawing.geojson.read_geojson`, :func:`kirigami.drawing.fold.read_fold`.
-
-    Raises
-    ------
-    GeometryError
-        Another ending, an option that its reader does not have, or a drawing that cannot be read.
-
-    Examples
-    --------
-    >>> read_drawing("plate.step")
-    Traceback (most recent call last):
-    kirigami.errors.GeometryError: plate.step: drawings end in .dxf, .svg, .geojson, .json, .fold
-    """
-    read = _of_format("read", path)
-    unknown = sorted(options.keys() - inspect.signature(read).parameters.keys())
-    if unknown:
-        raise GeometryError(f"{path}: drawings of this kind are read without the option {', '.join(unknown)}")
-    drawing: Drawing = read(path, **options)
-    return drawing
-
-
-def write_drawing(item: Any, path: str | os.PathLike[str], unit: str = "m") -> Path:
-    """Write a sheet or drawing by the ending of the name: .dxf, .svg, .geojson, .json or .fold.
-
-    Parameters
-    ----------
-    item : Sheet or Drawing
-        What to write.
-    path : path
-        The file.
-    unit : str
-        Unit of length of its coordinates.
-
-    Raises
-    ------
-    GeometryError
-        Another ending.
-
-    Examples
-    --------
-    >>> import tempfile, shapely
-    >>> plate = kg.Sheet(shapely.box(0, 0, 1, 1))
-    >>> write_drawing(plate, Path(tempfile.mkdtemp()) / "plate.geojson").name
-    'plate.geojson'
-    """
-    write = _of_format("write", path)
-    written: Path = write(item, path, unit=unit)
-    return written
-
-
-def _of_format(verb: str, path: str | os.PathLike[str]) -> Callable[..., Any]:
-    """The function that reads or writes drawings with this ending; only its own library is imported."""
-    name = FORMATS.get(Path(path).suffix.lower())
-    if name is None:
-        raise GeometryError(f"{path}: drawings end in {', '.join(FORMATS)}")
-    found: Callable[..., Any] = getattr(importlib.import_module(f"kirigami.io.{name}"), f"{verb}_{name}")
-    return found
 
 
 def info(path: str | os.PathLike[str], **reading: Any) -> dict[str, Any]:

@@ -12,11 +12,12 @@ from numpy.typing import NDArray
 from kirigami.elements.bar import Bar
 from kirigami.elements.bend_hinge import BendHinge
 from kirigami.errors import ModelError
-from kirigami.model.constraints import AXES, Constraint, Prescribe
+from kirigami.model.constraints import Constraint, Prescribe
 from kirigami.model.loads import NodalLoad
 from kirigami.model.model import Model
 from kirigami.primitives.kernel import Array
-from kirigami.primitives.parts import Material
+from kirigami.primitives.material import Material
+from kirigami.primitives.node import AXES
 
 
 @dataclass(eq=False)

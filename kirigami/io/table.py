@@ -13,9 +13,9 @@ import numpy as np
 
 from kirigami.errors import AnalysisError
 from kirigami.files import library, whole_file
-from kirigami.model.constraints import AXES, Prescribe
+from kirigami.model.constraints import Prescribe
 from kirigami.primitives.kernel import Array
-from kirigami.primitives.parts import Node
+from kirigami.primitives.node import AXES, Node
 from kirigami.results.results import Results
 
 Nodes = Node | int | Iterable[Node | int]

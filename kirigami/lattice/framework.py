@@ -156,7 +156,7 @@ class Framework:
 
     def _rigid_motions(self, matrix: NDArray[Any], phases: ArrayLike | None) -> Array:
         """Orthonormal basis (motions, unknowns) of the rigid motions that supports and lattice leave."""
-        from kirigami.system.supports import rigid_motions
+        from kirigami.primitives.rigid import rigid_motions
 
         if phases is not None and np.any(np.remainder(np.asarray(phases), 2 * np.pi)):
             return np.zeros((0, self.unknowns))

@@ -15,9 +15,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from kirigami.errors import MechanismError, ModelError
-from kirigami.model.constraints import AXES, Fix, Tie
+from kirigami.model.constraints import Fix, Tie
 from kirigami.model.model import Model
 from kirigami.primitives.kernel import Array
+from kirigami.primitives.node import AXES
 from kirigami.results.results import Results
 
 VOIGT = {1: [(0, 0)], 2: [(0, 0), (1, 1), (0, 1)], 3: [(0, 0), (1, 1), (2, 2), (1, 2), (0, 2), (0, 1)]}

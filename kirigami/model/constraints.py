@@ -11,26 +11,8 @@ from numpy.typing import ArrayLike
 
 from kirigami.errors import ModelError
 from kirigami.primitives.kernel import Array, Kernel
-from kirigami.primitives.parts import ModelObject, Node, Numbering
-
-AXES = "xyz"
-
-
-def listed(nodes: Node | Iterable[Node], owner: str) -> tuple[Node, ...]:
-    """One node or many as a tuple, never empty."""
-    group = (nodes,) if isinstance(nodes, Node) else tuple(nodes)
-    if not group:
-        raise ModelError(f"{owner}: the node selection is empty")
-    for node in group:
-        if not isinstance(node, Node):
-            raise ModelError(f"{owner}: expected nodes, got {node!r}; select nodes with Model.select")
-    return group
-
-
-def axes_of(dofs: str, owner: str) -> str:
-    if not isinstance(dofs, str) or not dofs or set(dofs) - set(AXES) or len(set(dofs)) != len(dofs):
-        raise ModelError(f"{owner}: dofs must be letters out of 'xyz', each once, got {dofs!r}")
-    return dofs
+from kirigami.primitives.node import AXES, Node, axes_of, listed
+from kirigami.primitives.parts import ModelObject, Numbering
 
 
 def values_for(value: ArrayLike, count: int, owner: str) -> Array:

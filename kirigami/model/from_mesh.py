@@ -12,7 +12,10 @@ from kirigami.elements.bend_hinge import BendHinge
 from kirigami.elements.stiffness import Calibration, SheetConstants, bar_stiffness, directional_bias, hinge_stiffness
 from kirigami.errors import KirigamiWarning, ModelError
 from kirigami.model.model import Model
-from kirigami.primitives.parts import Material, ModelObject, Node, require_positive
+from kirigami.primitives.checks import require_positive
+from kirigami.primitives.material import Material
+from kirigami.primitives.node import Node
+from kirigami.primitives.parts import ModelObject
 
 FEW = 50  # facets below which a mesh is too small to have a pattern
 BIAS = 0.2  # unevenness of stiffness over the directions, before relaxation, that is worth a warning

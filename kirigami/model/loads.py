@@ -10,9 +10,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from kirigami.errors import ModelError
-from kirigami.model.constraints import listed
 from kirigami.primitives.kernel import Array, Contribution, Kernel, displacement_of
-from kirigami.primitives.parts import ModelObject, Node, Numbering
+from kirigami.primitives.node import Node, listed
+from kirigami.primitives.parts import ModelObject, Numbering
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)

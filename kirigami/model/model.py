@@ -11,7 +11,10 @@ from numpy.typing import ArrayLike, NDArray
 
 from kirigami.errors import GeometryError, ModelError
 from kirigami.file_methods import ModelFiles
-from kirigami.primitives.parts import Material, ModelObject, Node, require_finite
+from kirigami.primitives.checks import require_finite
+from kirigami.primitives.material import Material
+from kirigami.primitives.node import Node
+from kirigami.primitives.parts import ModelObject
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

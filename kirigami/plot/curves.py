@@ -14,7 +14,7 @@ from kirigami.errors import ModelError
 from kirigami.plot import style
 
 if TYPE_CHECKING:
-    from kirigami.primitives.parts import Node
+    from kirigami.primitives.node import Node
     from kirigami.results.results import Results
 
 Floats = NDArray[np.float64]

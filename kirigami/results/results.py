@@ -13,10 +13,9 @@ from numpy.typing import NDArray
 
 from kirigami.errors import AnalysisError, ModelError
 from kirigami.file_methods import ResultsFiles
-from kirigami.model.constraints import AXES
 from kirigami.model.model import Model
 from kirigami.primitives.kernel import Array, Configuration, Kernel
-from kirigami.primitives.parts import Node
+from kirigami.primitives.node import AXES, Node
 from kirigami.results.step import Event, Step
 from kirigami.shape_methods import ResultsShape
 

@@ -31,7 +31,7 @@ from kirigami.primitives.kernel import Configuration
 
 if TYPE_CHECKING:
     from kirigami.geometry.mesh import TriMesh
-    from kirigami.primitives.parts import Material
+    from kirigami.primitives.material import Material
     from kirigami.results.results import Results
 
 Floats = NDArray[np.float64]

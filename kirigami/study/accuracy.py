@@ -17,8 +17,9 @@ from kirigami.analysis.path.methods import DisplacementControl
 from kirigami.elements.stiffness import RUNGS
 from kirigami.errors import ModelError
 from kirigami.model.model import Model
+from kirigami.primitives.checks import require_positive
 from kirigami.primitives.kernel import Array
-from kirigami.primitives.parts import Node, require_positive
+from kirigami.primitives.node import Node
 from kirigami.results.results import Results
 from kirigami.sweep.sweep import Sweep
 from kirigami.sweep.table import SweepTable

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from kirigami.errors import ModelError
-from kirigami.primitives.parts import require_positive
+from kirigami.primitives.checks import require_positive
 from kirigami.study.accuracy import Case
 from kirigami.study.mesh_choice import ALIKE, RATIO, MeshRun, run_case, shape_distance
 

@@ -8,7 +8,7 @@ from concurrent.futures import Executor
 
 from numpy.typing import ArrayLike
 
-from kirigami.analysis.eigen import Mode
+from kirigami.analysis.modes import Mode
 from kirigami.analysis.path.methods import DisplacementControl
 from kirigami.model.model import Model
 from kirigami.study.imperfections import Build, ImperfectionStudy, imperfections

@@ -19,7 +19,7 @@ from kirigami.elements.stiffness import Calibration
 from kirigami.errors import ModelError
 from kirigami.model.model import Model
 from kirigami.primitives.kernel import Array, Configuration, Kernel, full_hessian
-from kirigami.primitives.parts import Material
+from kirigami.primitives.material import Material
 from kirigami.system.system import System
 
 if TYPE_CHECKING:

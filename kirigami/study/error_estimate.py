@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kirigami.errors import AnalysisError, ModelError
-from kirigami.primitives.parts import require_positive
+from kirigami.primitives.checks import require_positive
 
 if TYPE_CHECKING:
     from kirigami.geometry.mesh import TriMesh

@@ -15,13 +15,14 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from kirigami.analysis.eigen import Eigen, Mode
+from kirigami.analysis.eigen import Eigen
+from kirigami.analysis.modes import Mode
 from kirigami.analysis.path.follow import PathAnalysis
 from kirigami.analysis.path.methods import DisplacementControl
 from kirigami.errors import KirigamiError, KirigamiWarning, ModelError
 from kirigami.model.model import Model
+from kirigami.primitives.checks import require_positive
 from kirigami.primitives.kernel import Array
-from kirigami.primitives.parts import require_positive
 from kirigami.results.results import Results
 from kirigami.study.shapes import FLAT, ShapeSpace
 

@@ -16,8 +16,9 @@ import numpy as np
 from kirigami.analysis.path.methods import DisplacementControl
 from kirigami.elements.stiffness import RUNGS
 from kirigami.errors import AnalysisError, ModelError
+from kirigami.primitives.checks import require_positive
 from kirigami.primitives.kernel import Array
-from kirigami.primitives.parts import Node, require_positive
+from kirigami.primitives.node import Node
 from kirigami.results.results import Results
 from kirigami.study.accuracy import QUANTITIES, Case, quantities
 

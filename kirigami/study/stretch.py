@@ -14,9 +14,10 @@ import numpy as np
 
 import kirigami as kg
 from kirigami import units
+from kirigami.drawing.convert import read_drawing
 from kirigami.errors import AnalysisError, KirigamiError, KirigamiWarning, ModelError
 from kirigami.files import whole_file
-from kirigami.io.convert import edge_for, read_drawing
+from kirigami.io.convert import edge_for
 
 if TYPE_CHECKING:
     from kirigami.drawing.drawing import Drawing
@@ -102,7 +103,7 @@ def stretch(
     Parameters
     ----------
     drawing : Drawing or path
-        In metres, or a file; see :func:`kirigami.io.convert.read_drawing`.
+        In metres, or a file; see :func:`kirigami.drawing.convert.read_drawing`.
     thickness, E : float or str
         Thickness [m] and Young's modulus [Pa].
     nu : float

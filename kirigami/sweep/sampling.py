@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from kirigami.errors import ModelError
-from kirigami.primitives.parts import require_finite
+from kirigami.primitives.checks import require_finite
 
 
 def latin_hypercube(

@@ -8,30 +8,15 @@ import numpy as np
 
 from kirigami.errors import MechanismError
 from kirigami.linalg import Factor, SingularMatrixError, factorize
-from kirigami.model.constraints import AXES
 from kirigami.primitives.kernel import Array, full_hessian
+from kirigami.primitives.node import AXES
+from kirigami.primitives.rigid import rigid_motions
 
 if TYPE_CHECKING:
     from kirigami.system.assembly import Index
     from kirigami.system.system import System
 
 FREE = 1e-14  # energy of a motion over that of its members one by one; rounding leaves about 1e-16
-
-
-def rigid_motions(points: Array) -> tuple[Array, list[str]]:
-    """Translations and rotations about the centroid: fields (motions, n, dim) of size about 1, and their names."""
-    n, dim = points.shape
-    arm = points - points.mean(axis=0)
-    arm /= np.abs(arm).max(initial=0.0) or 1.0
-    fields = [np.tile(np.eye(dim)[axis], (n, 1)) for axis in range(dim)]
-    names = [f"translation along {AXES[axis]}" for axis in range(dim)]
-    for axis in range(3) if dim == 3 else [2]:
-        first, second = [a for a in range(3) if a != axis]
-        turn = np.zeros((n, dim))
-        turn[:, first], turn[:, second] = -arm[:, second], arm[:, first]
-        fields.append(turn)
-        names.append(f"rotation about {AXES[axis]}" if dim == 3 else "rotation in the plane")
-    return np.array(fields), names
 
 
 def connected_parts(system: System) -> list[Index]:

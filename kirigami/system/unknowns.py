@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 
 from kirigami.errors import ModelError
-from kirigami.model.constraints import AXES
 from kirigami.primitives.kernel import Array
+from kirigami.primitives.node import AXES
 from kirigami.primitives.parts import Numbering
 from kirigami.system.assembly import Index
 

@@ -11,15 +11,9 @@ import shapely
 
 import kirigami as kg
 from kirigami import units
+from kirigami.drawing.convert import read_drawing, write_drawing
 from kirigami.drawing.drawing import Drawing
-from kirigami.io.convert import (
-    export,
-    info,
-    mesh_drawing,
-    read_drawing,
-    write_drawing,
-    write_mesh,
-)
+from kirigami.io.convert import export, info, mesh_drawing, write_mesh
 from kirigami.study.stretch import stretch, write_report
 
 DRAWINGS = Path(__file__).parents[1] / "data" / "drawings"

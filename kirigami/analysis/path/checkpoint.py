@@ -22,7 +22,7 @@ from kirigami.analysis.path.points import Attempt, Point, State
 from kirigami.errors import AnalysisError, ModelError
 from kirigami.linalg import SingularMatrixError
 from kirigami.model.model import Model
-from kirigami.primitives.parts import Node
+from kirigami.primitives.node import Node
 from kirigami.results.archive import pack, read, unpack_path, write
 from kirigami.results.results import Results
 from kirigami.results.step import Step

@@ -8,9 +8,8 @@ import numpy as np
 
 from kirigami.analysis.path.points import Attempt, Point, State, Tangent
 from kirigami.errors import ModelError
-from kirigami.model.constraints import AXES
 from kirigami.primitives.kernel import Array
-from kirigami.primitives.parts import Node
+from kirigami.primitives.node import AXES, Node
 from kirigami.system.system import System
 
 SHARPEST_TURN = 0.5  # cosine of the largest angle between the tangent of a step and its chord

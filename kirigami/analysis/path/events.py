@@ -12,7 +12,8 @@ from typing import Protocol
 
 import numpy as np
 
-from kirigami.analysis.base import first_largest, make_step
+from kirigami.analysis.base import make_step
+from kirigami.analysis.modes import nodal_shape
 from kirigami.analysis.path.controls import Control, LoadFactorControl
 from kirigami.analysis.path.points import Attempt, Point, Tangent
 from kirigami.linalg import SingularMatrixError, factorize, inverse_iteration
@@ -169,15 +170,6 @@ def _append(path: Walker, kind: str, place: Place, index: int, message: str, bra
     step = make_step(system, state.u, state.lam, point.negative, residual, iterations)
     mode = nodal_shape(system, critical_pair(system, point.tangent)[1])
     path.found.events.append(Event(kind, float(state.lam), index, message, bracket, step, mode))
-
-
-def nodal_shape(system: System, vector: Array) -> Array:
-    """Unknowns (free,) as a shape (n, 3): largest component 1, the first of the largest entries positive."""
-    shape = np.zeros((len(system.rest), 3))
-    shape[:, : system.dim] = system.displacement(vector, 0.0) - system.displacement(0 * vector, 0.0)
-    first = shape.ravel()[first_largest(shape.ravel())]
-    scaled: Array = shape / (np.abs(shape).max() * np.sign(first))
-    return scaled
 
 
 def critical_pair(system: System, tangent: Tangent) -> tuple[float, Array]:

@@ -27,8 +27,8 @@ from kirigami.analysis.path.points import Attempt, Point, State, Tangent
 from kirigami.errors import ConvergenceError, KirigamiWarning, ModelError
 from kirigami.linalg import Factor, SingularMatrixError, one_thread
 from kirigami.model.model import Model
+from kirigami.primitives.checks import require_positive
 from kirigami.primitives.kernel import Array
-from kirigami.primitives.parts import require_positive
 from kirigami.progress import progress_bar
 from kirigami.results.results import Results
 from kirigami.results.step import Event, Step

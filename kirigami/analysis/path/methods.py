@@ -16,9 +16,9 @@ from kirigami.analysis.path.follow import PathAnalysis
 from kirigami.analysis.path.increments import Increments, ordered_targets
 from kirigami.analysis.path.points import Point, State, Tangent
 from kirigami.errors import ModelError
-from kirigami.model.constraints import AXES
 from kirigami.model.model import Model
-from kirigami.primitives.parts import Node, require_finite
+from kirigami.primitives.checks import require_finite
+from kirigami.primitives.node import AXES, Node
 from kirigami.results.step import Event, Step
 from kirigami.system.system import System
 

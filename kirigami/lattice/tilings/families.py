@@ -8,8 +8,8 @@ import numpy as np
 
 from kirigami.errors import GeometryError
 from kirigami.lattice.tilings.tiling import Tiling
+from kirigami.primitives.checks import require_finite, require_positive
 from kirigami.primitives.kernel import Array
-from kirigami.primitives.parts import require_finite, require_positive
 
 
 def rotating_squares(angle: float, side: float = 1.0) -> Tiling:

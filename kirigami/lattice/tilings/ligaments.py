@@ -11,7 +11,7 @@ import shapely
 from kirigami.errors import GeometryError
 from kirigami.lattice.tilings.polygons import from_polygons
 from kirigami.lattice.tilings.tiling import Tiling, place_of
-from kirigami.primitives.parts import require_positive
+from kirigami.primitives.checks import require_positive
 
 if TYPE_CHECKING:
     from kirigami.geometry.sheet import Sheet

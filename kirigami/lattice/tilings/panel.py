@@ -7,8 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from kirigami.primitives.checks import require_positive
 from kirigami.primitives.kernel import Array
-from kirigami.primitives.parts import require_positive
 
 
 @dataclass(frozen=True)

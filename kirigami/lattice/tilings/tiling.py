@@ -17,8 +17,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from kirigami.errors import GeometryError, ModelError
 from kirigami.lattice.tilings.panel import Ligament, braces
+from kirigami.primitives.checks import require_finite, require_positive
 from kirigami.primitives.kernel import Array
-from kirigami.primitives.parts import require_finite, require_positive
 
 if TYPE_CHECKING:
     from kirigami.effects.angle_limit import AngleLimit
@@ -337,7 +337,7 @@ class Tiling:
         from kirigami.elements.bar import Bar
         from kirigami.elements.torsion_spring import TorsionSpring3
         from kirigami.model.model import Model
-        from kirigami.primitives.parts import Node
+        from kirigami.primitives.node import Node
 
         if springs not in ("one", "both"):
             raise ModelError(f"springs {springs!r} is unknown: use 'one' or 'both'")

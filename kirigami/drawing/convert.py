@@ -1,0 +1,83 @@
+"""Drawings read and written by the ending of their name."""
+
+from __future__ import annotations
+
+import importlib
+import inspect
+import os
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+from kirigami.drawing.drawing import Drawing
+from kirigami.errors import GeometryError
+
+FORMATS = {".dxf": "dxf", ".svg": "svg", ".geojson": "geojson", ".json": "geojson", ".fold": "fold"}
+
+
+def read_drawing(path: str | os.PathLike[str], **options: Any) -> Drawing:
+    """Read a drawing by the ending of its name: .dxf, .svg, .geojson, .json or .fold.
+
+    Parameters
+    ----------
+    path : path
+        The file.
+    **options
+        As for the reader: :func:`kirigami.drawing.dxf.read_dxf`, :func:`kirigami.drawing.svg.read_svg`,
+        :func:`kirigami.drawing.geojson.read_geojson`, :func:`kirigami.drawing.fold.read_fold`.
+
+    Raises
+    ------
+    GeometryError
+        Another ending, an option that its reader does not have, or a drawing that cannot be read.
+
+    Examples
+    --------
+    >>> read_drawing("plate.step")
+    Traceback (most recent call last):
+    kirigami.errors.GeometryError: plate.step: drawings end in .dxf, .svg, .geojson, .json, .fold
+    """
+    read = _of_format("read", path)
+    unknown = sorted(options.keys() - inspect.signature(read).parameters.keys())
+    if unknown:
+        raise GeometryError(f"{path}: drawings of this kind are read without the option {', '.join(unknown)}")
+    drawing: Drawing = read(path, **options)
+    return drawing
+
+
+def write_drawing(item: Any, path: str | os.PathLike[str], unit: str = "m") -> Path:
+    """Write a sheet or drawing by the ending of the name: .dxf, .svg, .geojson, .json or .fold.
+
+    Parameters
+    ----------
+    item : Sheet or Drawing
+        What to write.
+    path : path
+        The file.
+    unit : str
+        Unit of length of its coordinates.
+
+    Raises
+    ------
+    GeometryError
+        Another ending.
+
+    Examples
+    --------
+    >>> import tempfile, shapely
+    >>> plate = kg.Sheet(shapely.box(0, 0, 1, 1))
+    >>> write_drawing(plate, Path(tempfile.mkdtemp()) / "plate.geojson").name
+    'plate.geojson'
+    """
+    write = _of_format("write", path)
+    written: Path = write(item, path, unit=unit)
+    return written
+
+
+def _of_format(verb: str, path: str | os.PathLike[str]) -> Callable[..., Any]:
+    """The function that reads or writes drawings with this ending; only its own library is imported."""
+    name = FORMATS.get(Path(path).suffix.lower())
+    if name is None:
+        raise GeometryError(f"{path}: drawings end in {', '.join(FORMATS)}")
+    found: Callable[..., Any] = getattr(importlib.import_module(f"kirigami.drawing.{name}"), f"{verb}_{name}")
+    return found

@@ -1,0 +1,84 @@
+"""Nodes, their axes, and lists of them."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+
+from kirigami.errors import ModelError
+
+
+class Node:
+    """A point of the model, with one displacement unknown per axis.
+
+    Parameters
+    ----------
+    x, y, z : float
+        Coordinates [length].
+    name : str, optional
+        A label for messages and pictures.
+
+    Raises
+    ------
+    ModelError
+        A coordinate is not a finite number.
+
+    Examples
+    --------
+    >>> import kirigami as kg
+    >>> kg.Node(1, 2, name="apex")
+    Node(1, 2, 0, name='apex')
+    """
+
+    __slots__ = ("_position", "name")
+    base: Node | None = None  # the node whose normal this one is the tip of (see kirigami.geometry.normals)
+
+    def __init__(self, x: float, y: float, z: float = 0.0, *, name: str | None = None) -> None:
+        try:
+            position = (float(x), float(y), float(z))
+        except (TypeError, ValueError):
+            raise ModelError(f"Node: coordinates must be numbers, got ({x!r}, {y!r}, {z!r})") from None
+        if not all(map(math.isfinite, position)):
+            raise ModelError(f"Node: coordinates must be finite, got {position}")
+        self._position = position
+        self.name = name
+
+    # Coordinates are read-only so that a model always knows when its rest state changed: move nodes by Model.perturb.
+    @property
+    def x(self) -> float:
+        """x coordinate in the rest state."""
+        return self._position[0]
+
+    @property
+    def y(self) -> float:
+        """y coordinate in the rest state."""
+        return self._position[1]
+
+    @property
+    def z(self) -> float:
+        """z coordinate in the rest state."""
+        return self._position[2]
+
+    def __repr__(self) -> str:
+        label = f", name={self.name!r}" if self.name else ""
+        x, y, z = self._position
+        return f"Node({x:.6g}, {y:.6g}, {z:.6g}{label})"
+
+AXES = "xyz"
+
+
+def listed(nodes: Node | Iterable[Node], owner: str) -> tuple[Node, ...]:
+    """One node or many as a tuple, never empty."""
+    group = (nodes,) if isinstance(nodes, Node) else tuple(nodes)
+    if not group:
+        raise ModelError(f"{owner}: the node selection is empty")
+    for node in group:
+        if not isinstance(node, Node):
+            raise ModelError(f"{owner}: expected nodes, got {node!r}; select nodes with Model.select")
+    return group
+
+
+def axes_of(dofs: str, owner: str) -> str:
+    if not isinstance(dofs, str) or not dofs or set(dofs) - set(AXES) or len(set(dofs)) != len(dofs):
+        raise ModelError(f"{owner}: dofs must be letters out of 'xyz', each once, got {dofs!r}")
+    return dofs
