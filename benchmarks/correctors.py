@@ -65,6 +65,7 @@ import shapely
 from shapely import LineString, Point, box
 
 import kirigami as kg
+from kirigami.analysis.path.walk import Walk
 
 FACTORIZATIONS, SECONDS = 1500, 300.0  # limits of one run
 STRAIN = 0.2
@@ -156,15 +157,26 @@ class EnoughError(Exception):
     """The run ends here: out of budget, or locked."""
 
 
+class LimitedWalk(Walk):
+    """A run that ends at a limit of cost."""
+
+    def factorize(self, matrix: Any) -> Any:
+        seconds = time.process_time() - self.settings.began
+        if self.results.stats["factorizations"] >= FACTORIZATIONS or seconds > SECONDS:
+            raise EnoughError("limit")
+        return super().factorize(matrix)
+
+
 class Watched(kg.DisplacementControl):
     """Displacement control that ends at a limit of cost, or once the sheet stretches more than it bends again."""
 
     bent = False
+    began = 0.0
 
-    def _factorize(self, system: Any, results: Any, matrix: Any) -> Any:
-        if results.stats["factorizations"] >= FACTORIZATIONS or time.process_time() - self.began > SECONDS:
-            raise EnoughError("limit")
-        return super()._factorize(system, results, matrix)
+    def _make_walk(self, recorders: Any) -> Walk:
+        walk = LimitedWalk(self, recorders)
+        self.system = walk.system
+        return walk
 
     def watch(self, step: kg.Step) -> None:
         """Recorder: stretching takes more than half of the energy, after bending had taken more."""

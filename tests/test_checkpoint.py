@@ -2,18 +2,23 @@
 
 from __future__ import annotations
 
+import json
 import multiprocessing
 import os
 import signal
 import sys
 import time
 from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 
 import kirigami as kg
+from kirigami.primitives.parts import ModelObject
 
 Build = Callable[[], kg.DisplacementControl | kg.ArcLength]
 
@@ -216,3 +221,89 @@ def test_writing_that_fails_leaves_the_old_file(tmp_path: Path, monkeypatch: pyt
     with pytest.raises(OSError, match="no space"):
         snapping_dome().run(checkpoint=file)
     assert file.read_bytes() == before and [path.name for path in tmp_path.iterdir()] == ["run.npz"]
+
+
+class Ballast(kg.Kernel):
+    """A weight that a user hangs on a node, whose size is kept in an object of the user's own."""
+
+    name, pairs = "ballast", ()
+
+    def __init__(self, conn: np.ndarray, size: object) -> None:
+        self.conn, self.size = conn, size
+
+    def evaluate(self, x: np.ndarray, lam: float = 1.0, need: int = 2) -> kg.Contribution:
+        return kg.Contribution(energy=0.0 * x[:1, 2], gradient=np.zeros((1, 1, 3)))
+
+
+@dataclass
+class Grams:
+    value: float
+
+
+class Opaque:
+    pass
+
+
+@dataclass(eq=False)
+class Hung(ModelObject):
+    """What lowers to a Ballast."""
+
+    node: kg.Node
+    size: object
+
+    @property
+    def nodes(self) -> tuple[kg.Node, ...]:
+        return (self.node,)
+
+    @classmethod
+    def lower(cls, items: list[Any], numbering: Any) -> list[kg.Kernel]:
+        return [Ballast(numbering.connectivity(items), items[0].size)]
+
+
+def weighted_dome(size: object) -> kg.ArcLength:
+    analysis = snapping_dome()
+    analysis.model.add(Hung(analysis.model.nodes[0], size))
+    return analysis
+
+
+def test_two_objects_of_one_type_do_not_look_alike(tmp_path: Path) -> None:
+    """What a kernel holds counts, not the name of its type; what cannot be told apart is refused in words."""
+    file = tmp_path / "run.npz"
+    with pytest.raises(Crash):
+        weighted_dome(Grams(5.0)).run(checkpoint=file, recorders=[crash_at(3)])
+    with pytest.raises(kg.AnalysisError, match="another model or analysis"):
+        weighted_dome(Grams(6.0)).run(checkpoint=file)
+    with pytest.raises(kg.AnalysisError, match="does not know what a Opaque holds"):
+        weighted_dome(Opaque()).run(checkpoint=tmp_path / "other.npz")
+
+
+def test_a_checkpoint_of_an_earlier_version_is_refused_in_words(tmp_path: Path) -> None:
+    file = tmp_path / "run.npz"
+    snapping_dome().run(checkpoint=file)
+    with np.load(file) as data:
+        arrays = dict(data)
+    walk = json.loads(str(arrays["walk"]))
+    del walk["version"]  # as it was written before versions were
+    arrays["walk"] = np.array(json.dumps(walk))
+    np.savez(file, **arrays)
+    with pytest.raises(kg.AnalysisError, match="another version"):
+        snapping_dome().run(checkpoint=file)
+    assert len(kg.load(file)) > 3
+
+
+def test_one_analysis_runs_in_several_threads_and_again() -> None:
+    """An analysis only describes: what a run needs is its own, so runs side by side give the same bits."""
+    for build in (pulled_sheet, snapping_dome):
+        analysis = build()
+        settings = dict(vars(analysis))
+        with ThreadPoolExecutor(3) as pool:
+            found = [job.result() for job in [pool.submit(analysis.run) for _ in range(3)]]
+        for results in [*found, analysis.run()]:
+            same_curve(results, found[0])
+        assert {name: value for name, value in vars(analysis).items() if name != "results"} == {
+            name: value for name, value in settings.items() if name != "results"
+        }
+    modes = kg.Eigen(pulled_sheet().model, n=3)
+    with ThreadPoolExecutor(3) as pool:
+        shapes = [job.result().shapes for job in [pool.submit(modes.run) for _ in range(3)]]
+    assert all(np.array_equal(shape, shapes[0]) for shape in shapes)

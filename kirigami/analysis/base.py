@@ -18,46 +18,53 @@ from kirigami.system.system import System
 
 
 class Analysis:
-    """Base of all analyses: holds a model, and lowers it when it runs."""
+    """Base of all analyses: a description of what to do with a model, which :meth:`run` lowers anew each time.
+
+    What a run needs and finds belongs to its own :class:`Run`, so one analysis may run again, and in several threads at
+    once; ``results`` are those of the run begun last, in reach also after an interruption.
+    """
 
     def __init__(self, model: Model) -> None:
         if not isinstance(model, Model):
             raise ModelError(f"{type(self).__name__} needs a Model, got {model!r}")
         self.model = model
-        self.results: Results | None = None  # in reach also after an interruption
+        self.results: Results | None = None
 
-    def _begin(self, linear: bool = False) -> tuple[System, Results]:
+
+class Run:
+    """One run of an analysis: the lowered model, its results, the solver, and what is counted.
+
+    Attributes
+    ----------
+    system : System
+        The model as it stood when the run began.
+    results : Results
+        What is found; its ``stats`` are kept here.
+    """
+
+    def __init__(self, analysis: Analysis, linear: bool = False) -> None:
         self._started = time.perf_counter()
         self._solver = make_solver()
-        system = System(self.model)
-        self.results = Results(system, linear=linear)
-        return system, self.results
+        self.system = System(analysis.model)
+        self.results = Results(self.system, linear=linear)
+        self.results.stats["unknowns"] = self.system.free
+        analysis.results = self.results
 
-    def _finish(self, system: System, results: Results) -> Results:
-        self._count_seconds(system, results)
-        system.linearize(None)
-        return results
-
-    def _count_seconds(self, system: System, results: Results) -> None:
-        results.stats["steps"] = len(results.steps)
-        results.stats["seconds"] = {
-            **{part: round(seconds, 6) for part, seconds in system.clock.seconds.items()},
-            "total": round(time.perf_counter() - self._started, 6),
-        }
-
-    def _factorize(self, system: System, results: Results, matrix: Any) -> Factor:
-        with system.clock("factorization"):
+    def factorize(self, matrix: Any) -> Factor:
+        """Factor a matrix over the unknowns."""
+        with self.system.clock("factorization"):
             factor = self._solver.factorize(matrix)
-        results.stats["factorizations"] += 1
-        results.stats["backend"] = factor.backend
+        self.results.stats["factorizations"] += 1
+        self.results.stats["backend"] = factor.backend
         return factor
 
-    def _first_factor(self, system: System, results: Results, u: Array, lam: float) -> tuple[Array, Factor]:
+    def first_factor(self, u: Array, lam: float) -> tuple[Array, Factor]:
         """Blocks and factor of the starting state, or a MechanismError in words."""
+        system = self.system
         blocks = system.stiffness_blocks(u, lam)
         matrix = system.matrix(blocks)
         try:
-            factor = self._factorize(system, results, matrix)
+            factor = self.factorize(matrix)
         except SingularMatrixError:
             with system.clock("checks"):
                 check_floppy(system, matrix, None)
@@ -65,6 +72,26 @@ class Analysis:
         with system.clock("checks"):
             check_floppy(system, matrix, factor)
         return blocks, factor
+
+    def count_seconds(self) -> None:
+        """Bring the seconds and steps in the stats up to date."""
+        self.results.stats["steps"] = len(self.results.steps)
+        self.results.stats["seconds"] = {
+            **{part: round(seconds, 6) for part, seconds in self.system.clock.seconds.items()},
+            "total": round(time.perf_counter() - self._started, 6),
+        }
+
+    def take_seconds(self, seconds: dict[str, float]) -> None:
+        """Add the seconds of an earlier run that this one goes on with."""
+        seconds = dict(seconds)
+        self._started -= seconds.pop("total", 0.0)
+        self.system.clock.seconds = seconds
+
+    def finish(self) -> Results:
+        """The results, once all is in them."""
+        self.count_seconds()
+        self.system.linearize(None)
+        return self.results
 
 
 def make_step(system: System, u: Array, lam: float, negative: int | None, residual: float, iterations: int) -> Step:

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from kirigami.analysis.base import Analysis, require_drive
+from kirigami.analysis.base import Analysis, Run, require_drive
 from kirigami.analysis.modes import Modes, nodal_shape
 from kirigami.errors import AnalysisError, ModelError
 from kirigami.linalg import Factor
@@ -59,13 +59,14 @@ class Buckling(Analysis):
 
     def run(self) -> Modes:
         """Find the lowest positive buckling load factors and their shapes; fewer than `n` where there are no more."""
-        system, results = self._begin()
+        run = Run(self)
+        system = run.system
         require_drive(system, "Buckling")
         system.check_supports()
         if self.n > system.free:
             raise ModelError(f"Buckling: {self.n} modes asked for, but the model has only {system.free} unknowns")
         rest = np.zeros_like(system.rest)
-        blocks, factor = self._first_factor(system, results, rest, 0.0)
+        blocks, factor = run.first_factor(rest, 0.0)
         forces, _ = system.forces(rest, 0.0)
         held = system.plan.multiply(blocks, system.held.reshape(rest.shape))
         with system.clock("solve"):
@@ -78,7 +79,7 @@ class Buckling(Analysis):
         system.linearize(None)
         stiffness = matrices[0]
         geometric = (matrices[1] - stiffness).tocsc()
-        factor = self._factorize(system, results, stiffness)
+        factor = run.factorize(stiffness)
         if factor.negative:
             raise AnalysisError("Buckling: the constant loads alone already make the structure buckle")
         # In the inverse load factors the lowest buckling loads are the extreme eigenvalues, and K is the only factor.
@@ -90,7 +91,7 @@ class Buckling(Analysis):
             raise AnalysisError(
                 "Buckling: no positive load factor makes this structure buckle; is the drive the other way round?"
             )
-        self._finish(system, results)
+        run.finish()
         shapes = [nodal_shape(system, vector) for vector in vectors.T[found]]
         return Modes(1.0 / inverse[found], np.array(shapes))
 

@@ -7,13 +7,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from kirigami.analysis.base import Analysis
+from kirigami.analysis.base import Analysis, Run
 from kirigami.analysis.modes import Modes, first_largest
 from kirigami.errors import ModelError
 from kirigami.linalg import Factor, SingularMatrixError, inverse_iteration, smallest_eigenpairs
 from kirigami.model.model import Model
 from kirigami.primitives.kernel import Array
-from kirigami.results.results import Results
 from kirigami.results.step import Step
 from kirigami.system.system import System
 
@@ -66,7 +65,8 @@ class Eigen(Analysis):
         """Compute the modes."""
         from scipy.sparse import diags
 
-        system, results = self._begin()
+        run = Run(self)
+        system = run.system
         if self.n > system.free:
             raise ModelError(f"Eigen: {self.n} modes asked for, but the model has only {system.free} unknowns")
         u, lam = np.zeros_like(system.rest), 0.0
@@ -79,40 +79,40 @@ class Eigen(Analysis):
         # Just below zero, so that a free body can be factorised; far below the stiffness, so that it costs no digits.
         shift = -1e-8 * float(np.median(matrix.diagonal() / weight))
         if self.about is not None:
-            shift = self._below_negative(system, results, matrix, mass, shift)
+            shift = self._below_negative(run, matrix, mass, shift)
         try:
-            factor = self._factorize(system, results, (matrix - shift * mass).tocsc())
+            factor = run.factorize((matrix - shift * mass).tocsc())
             if self.about is None:
-                shift, factor = self._nearer(system, results, matrix, mass, shift, factor)
+                shift, factor = self._nearer(run, matrix, mass, shift, factor)
         except SingularMatrixError:
-            factor = self._factorize(system, results, (matrix - 1.7 * shift * mass).tocsc())
+            factor = run.factorize((matrix - 1.7 * shift * mass).tocsc())
         with system.clock("eigenpairs"):
             values, vectors = smallest_eigenpairs(matrix, mass, self.n, shift, factor)
         shapes = np.zeros((self.n, len(system.rest), 3))
         for shape, vector in zip(shapes, vectors.T):
             shape[:, : system.dim] = system.displacement(vector, 0.0) - system.displacement(0 * vector, 0.0)
             shape /= np.abs(shape).max() * np.sign(shape.ravel()[first_largest(shape.ravel())])
-        self._finish(system, results)
+        run.finish()
         return Modes(values, shapes)
 
     def _nearer(
-        self, system: System, results: Results, matrix: Any, mass: Any, shift: float, factor: Factor
+        self, run: Run, matrix: Any, mass: Any, shift: float, factor: Factor
     ) -> tuple[float, Factor]:
         """A shift nearer to zero where the lowest eigenvalues are far smaller, which would look alike from afar.
 
         A few inverse iterations tell their size; for a free body that is rounding, and the shift stays.
         """
-        _, vector = inverse_iteration(factor, system.free, 4)
+        _, vector = inverse_iteration(factor, run.system.free, 4)
         size = float(vector @ (matrix @ vector)) / float(vector @ (mass @ vector))
         if not ROUNDING * abs(shift) < size < FAR * abs(shift):
             return shift, factor
-        return -0.01 * size, self._factorize(system, results, (matrix + 0.01 * size * mass).tocsc())
+        return -0.01 * size, run.factorize((matrix + 0.01 * size * mass).tocsc())
 
-    def _below_negative(self, system: System, results: Any, matrix: Any, mass: Any, shift: float) -> float:
+    def _below_negative(self, run: Run, matrix: Any, mass: Any, shift: float) -> float:
         """A shift below the lowest eigenvalue of a loaded state, by doubling until no pivot is negative."""
         for _ in range(60):
             try:
-                if self._factorize(system, results, (matrix - shift * mass).tocsc()).negative == 0:
+                if run.factorize((matrix - shift * mass).tocsc()).negative == 0:
                     return shift
             except SingularMatrixError:
                 pass

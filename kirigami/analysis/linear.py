@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from kirigami.analysis.base import Analysis, make_step, require_drive
+from kirigami.analysis.base import Analysis, Run, make_step, require_drive
 from kirigami.model.model import Model
 from kirigami.results.results import Results
 
@@ -42,11 +42,12 @@ class LinearStatic(Analysis):
 
     def run(self) -> Results:
         """Solve; step 0 has load factor 0 (constant loads only), step 1 load factor 1."""
-        system, results = self._begin(linear=True)
+        run = Run(self, linear=True)
+        system, results = run.system, run.results
         require_drive(system, "LinearStatic", constant_counts=True)
         system.check_supports()
         rest = np.zeros_like(system.rest)
-        blocks, factor = self._first_factor(system, results, rest, 0.0)
+        blocks, factor = run.first_factor(rest, 0.0)
         rate = system.load_rate(rest, 0.0, blocks)
         forces, _ = system.forces(rest, 0.0)
         held = system.plan.multiply(blocks, system.held.reshape(rest.shape))
@@ -65,4 +66,4 @@ class LinearStatic(Analysis):
                 residual_over_reaction=float("nan"),
             )
         results.stats["iterations"] = 1
-        return self._finish(system, results)
+        return run.finish()

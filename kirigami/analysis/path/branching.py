@@ -2,38 +2,24 @@
 
 from __future__ import annotations
 
-from typing import Protocol
-
-from kirigami.analysis.path.controls import Control, ModeControl
-from kirigami.analysis.path.points import Attempt, Point, State, Tangent
+from kirigami.analysis.path.controls import ModeControl
+from kirigami.analysis.path.points import Attempt, Point, State
+from kirigami.analysis.path.run import PathRun
 from kirigami.primitives.kernel import Array
-from kirigami.results.results import Results
 from kirigami.results.step import Event, Step
-from kirigami.system.system import System
 
 TURNS = 0.05, 0.0125, 0.003, 0.0008, 0.2  # turns of a member by which the mode leads away from the bifurcation
 NEAR = 0.02  # share by which the load factor may change in that first step, if a shorter one can be had
 STRAIGHT = 0.5  # least cosine between the mode and the way to the point found
 
 
-class Corrector(Protocol):
-    """What is asked of the path analysis that walks."""
-
-    system: System
-    found: Results
-
-    def correct(self, control: Control, state: State) -> Attempt: ...
-
-    def tangent_at(self, attempt: Attempt) -> Tangent | None: ...
-
-
-def leave_along_mode(path: Corrector, located: Step, mode: Array, sign: int) -> tuple[Point, Attempt] | None:
+def leave_along_mode(run: PathRun, located: Step, mode: Array, sign: int) -> tuple[Point, Attempt] | None:
     """The point of the branch that leaves a located bifurcation along `sign` times its mode (n, 3), if one is found.
 
     The component along the mode is prescribed and the load factor is an unknown, so the path that the mode is neutral
     on is no solution, and it does not matter whether the load rises or falls on the branch.
     """
-    system = path.system
+    system = run.system
     q = system.unknowns(located.u)
     origin = State(q, located.lam, system.displacement(q, located.lam))
     direction = sign * system.unknowns(mode)
@@ -46,8 +32,8 @@ def leave_along_mode(path: Corrector, located: Step, mode: Array, sign: int) -> 
         system.history = located.history
         control.begin(origin, far)
         ahead = origin.q + far * direction
-        attempt = path.correct(control, State(ahead, origin.lam, system.displacement(ahead, origin.lam)))
-        tangent = path.tangent_at(attempt)
+        attempt = run.correct(control, State(ahead, origin.lam, system.displacement(ahead, origin.lam)))
+        tangent = run.tangent_at(attempt)
         if tangent is None:
             continue
         way = attempt.state.u - origin.u
@@ -66,7 +52,7 @@ def leave_along_mode(path: Corrector, located: Step, mode: Array, sign: int) -> 
 
 
 def switch(
-    path: Corrector, events: list[Event], before: Point, after: Point, attempt: Attempt
+    run: PathRun, events: list[Event], before: Point, after: Point, attempt: Attempt
 ) -> tuple[Point, Point, Attempt]:
     """Where an eigenvalue has become negative at a bifurcation, the step on to its branch instead of the one made.
 
@@ -76,13 +62,13 @@ def switch(
         if event.kind != "bifurcation" or after.negative <= before.negative:
             continue
         assert event.located is not None and event.mode is not None
-        found = leave_along_mode(path, event.located, event.mode, 1)
+        found = leave_along_mode(run, event.located, event.mode, 1)
         if found is not None:
             message = f"left at the bifurcation at load factor {event.lam:.6g} for the branch along its mode"
-            path.found.events.append(Event("switch", event.lam, event.step, message, event.bracket))
-            q = path.system.unknowns(event.located.u)
+            run.results.events.append(Event("switch", event.lam, event.step, message, event.bracket))
+            q = run.system.unknowns(event.located.u)
             lam = event.located.lam
-            origin = Point(State(q, lam, path.system.displacement(q, lam)), before.tangent, event.located.history)
+            origin = Point(State(q, lam, run.system.displacement(q, lam)), before.tangent, event.located.history)
             return origin, *found
-    path.system.history = after.history
+    run.system.history = after.history
     return before, after, attempt

@@ -12,25 +12,26 @@ import json
 import os
 import time
 from contextlib import suppress
+from dataclasses import fields, is_dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
-from kirigami.analysis.path.increments import Increments
 from kirigami.analysis.path.points import Attempt, Point, State
+from kirigami.analysis.path.run import PathRun
+from kirigami.analysis.path.settings import PathSettings
 from kirigami.errors import AnalysisError, ModelError
 from kirigami.linalg import SingularMatrixError
 from kirigami.model.model import Model
+from kirigami.primitives.kernel import Kernel
 from kirigami.primitives.node import Node
 from kirigami.results.archive import pack, read, unpack_path, write
 from kirigami.results.results import Results
 from kirigami.results.step import Step
+from kirigami.system.system import System
 
-if TYPE_CHECKING:
-    from kirigami.analysis.path.follow import PathAnalysis
-    from kirigami.system.system import System
-
+VERSION = 2  # of what is remembered; checkpoints of another one are refused
 BUSY = 20  # a checkpoint waits until this many times the seconds that the last one took have passed
 
 
@@ -51,6 +52,11 @@ class Checkpoint:
         head, data = read(self.path)
         try:
             walk = json.loads(str(data["walk"]))
+            if walk.get("version") != VERSION:
+                raise AnalysisError(
+                    f"{self.path} is a checkpoint of another version of kirigami and cannot be gone on with: give the "
+                    "run a file of its own, or resume=False to replace it; kirigami.load reads its steps"
+                )
             if walk["fingerprint"] != self.fingerprint:
                 raise AnalysisError(
                     f"{self.path} is the checkpoint of another model or analysis: give the run a file of its own, or "
@@ -64,12 +70,13 @@ class Checkpoint:
             raise AnalysisError(f"{self.path} is no checkpoint, or it is damaged ({error!r})") from None
         return results, memory
 
-    def note(self, results: Results, memory: dict[str, Any]) -> None:
-        """Remember an accepted step and, where the last writing is long enough ago, write it."""
-        snapshot = copy.copy(results)  # what the next step adds must not get into the file without its memory
-        snapshot.steps, snapshot.events = list(results.steps), list(results.events)
-        snapshot.stats = dict(results.stats)
-        self._pending = snapshot, memory
+    def note(self, run: PathRun) -> None:
+        """Remember where a run stands and, where the last writing is long enough ago, write it."""
+        run.count_seconds()
+        snapshot = copy.copy(run.results)  # what the next step adds must not get into the file without its memory
+        snapshot.steps, snapshot.events = list(run.results.steps), list(run.results.events)
+        snapshot.stats = dict(run.results.stats)
+        self._pending = snapshot, run.memory
         if time.monotonic() >= self._next:
             self.finish()
 
@@ -91,7 +98,7 @@ class Checkpoint:
                 named.append(key)
             else:
                 plain[key] = value
-        walk = {"fingerprint": self.fingerprint, "memory": plain, "arrays": named}
+        walk = {"version": VERSION, "fingerprint": self.fingerprint, "memory": plain, "arrays": named}
         arrays["walk"] = np.array(json.dumps(walk))
         write(self.path, arrays, compressed=False)
         self._pending = None
@@ -99,32 +106,32 @@ class Checkpoint:
         self._next = ended + BUSY * (ended - started)
 
 
-def settings_of(path: PathAnalysis) -> dict[str, Any]:
-    """What tells an analysis from another one of the same model; where it ends by choice does not."""
-    free = ("model", "results", "system", "found", "control", "stop", "max_steps")
-    settings = {name: value for name, value in vars(path).items() if name not in free and name[0] != "_"}
-    return {"analysis": type(path).__name__, **settings}
-
-
-def fingerprint(system: System, settings: dict[str, Any]) -> str:
-    """A digest of a lowered model and of the settings of an analysis."""
+def fingerprint(system: System, settings: PathSettings) -> str:
+    """A digest of a lowered model and of the settings of an analysis, but for where it ends by choice."""
     digest = hashlib.sha256()
     for name in ("rest", "unknown", "leader", "drive", "held"):
         _add(digest, getattr(system, name), system.model)
     for kernel in system.kernels:
-        _add(digest, type(kernel).__name__, system.model)
-        _add(digest, vars(kernel), system.model)
-    _add(digest, settings, system.model)
+        _add(digest, [type(kernel).__name__, kernel.conn, _content(kernel)], system.model)
+    _add(digest, [type(settings).__name__, settings.memorable()], system.model)
     return digest.hexdigest()
 
 
+def _content(kernel: Kernel) -> dict[str, Any]:
+    """What a kernel is made of: its own account of it or, where it has none, its attributes."""
+    try:
+        return kernel.arrays()
+    except NotImplementedError:
+        return vars(kernel)
+
+
 def _add(digest: Any, value: Any, model: Model) -> None:
-    if isinstance(value, np.ndarray):
+    if isinstance(value, np.ndarray) and value.dtype != object:
         digest.update(f"{value.dtype.str}{value.shape}".encode())
         digest.update(np.ascontiguousarray(value).tobytes())
-    elif value is None or isinstance(value, (bool, int, float, str, np.generic)):
+    elif value is None or isinstance(value, (bool, int, float, complex, str, bytes, np.generic)):
         digest.update(f"{type(value).__name__}:{value!r};".encode())
-    elif isinstance(value, (list, tuple)):
+    elif isinstance(value, (list, tuple, np.ndarray)):
         digest.update(f"[{len(value)}".encode())
         for item in value:
             _add(digest, item, model)
@@ -136,18 +143,23 @@ def _add(digest: Any, value: Any, model: Model) -> None:
         digest.update(f"node {model.index(value)[0]};".encode())
     elif isinstance(value, Step):
         _add(digest, [value.lam, value.u, list(value.history), value.stage], model)
+    elif is_dataclass(value) and not isinstance(value, type):
+        content = {field.name: getattr(value, field.name) for field in fields(value)}
+        _add(digest, [type(value).__qualname__, content], model)
     else:
-        digest.update(f"{type(value).__name__};".encode())
+        raise AnalysisError(
+            f"a checkpoint cannot tell this run from another one, because it does not know what a "
+            f"{type(value).__name__} holds: let arrays() of the kernel return numbers, text and arrays, or run "
+            "without checkpoint"
+        )
 
 
-def resume_walk(
-    path: PathAnalysis, start: State, stored: Results, memory: dict[str, Any]
-) -> tuple[Point, Increments]:
-    """Bring the walk to where a checkpoint left it."""
-    system, results = path.system, path.found
+def resume(run: PathRun, start: State, stored: Results, memory: dict[str, Any]) -> Point:
+    """Bring a run to where a checkpoint left it."""
+    system, results = run.system, run.results
     # The order of elimination comes from the first matrix, and the last bits of every solution from the order.
     with suppress(SingularMatrixError):
-        path._new_factor(system.stiffness_blocks(start.u, start.lam))
+        run.factorize_blocks(system.stiffness_blocks(start.u, start.lam))
     for step in stored.steps:
         results.append(step)
     results.events.extend(stored.events)
@@ -155,15 +167,9 @@ def resume_walk(
     q = system.unknowns(last.u)
     state = State(q, last.lam, system.displacement(q, last.lam))
     system.history = before.history  # as it was when the tangent was taken
-    tangent = path.tangent_at(Attempt(state, True, last.residual, 0))
+    tangent = run.tangent_at(Attempt(state, True, last.residual, 0))
     if tangent is None:
         raise AnalysisError("the last step of the checkpoint is singular: it was not written by this version")
     system.history = last.history
-    increments = Increments(1.0, 1.0, 1.0)
-    vars(increments).update(memory.pop("increments"))
-    vars(path.control).update(memory)
-    seconds = dict(stored.stats["seconds"])
-    path._started -= seconds.pop("total", 0.0)
-    system.clock.seconds = seconds
-    results.stats = stored.stats
-    return Point(state, tangent, last.history), increments
+    run.go_on(memory, stored.stats)
+    return Point(state, tangent, last.history)

@@ -8,17 +8,16 @@ where the number of negative eigenvalues changes, as told by the signs of the pi
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Protocol
 
 import numpy as np
 
 from kirigami.analysis.base import make_step
 from kirigami.analysis.modes import nodal_shape
-from kirigami.analysis.path.controls import Control, LoadFactorControl
+from kirigami.analysis.path.controls import LoadFactorControl
 from kirigami.analysis.path.points import Attempt, Point, Tangent
+from kirigami.analysis.path.run import PathRun
 from kirigami.linalg import SingularMatrixError, factorize, inverse_iteration
 from kirigami.primitives.kernel import Array
-from kirigami.results.results import Results
 from kirigami.results.step import Event
 from kirigami.system.system import System
 
@@ -27,19 +26,6 @@ BIFURCATION_TOLERANCE = 1e-4  # share of the range of load factors to which bifu
 JUMP = 20.0  # growth of the mean speed along an increment beyond which displacements jump
 SETTLED = 1e-4  # change of the critical eigenvalue from one inverse iteration to the next that is small enough
 SNAP = 1e-3  # least energy set free, as a share of the stored energy, that counts as a snap
-
-
-class Walker(Protocol):
-    """What is asked of the path analysis that walks."""
-
-    system: System
-    found: Results
-    control: Control
-    on_instability: str
-
-    def try_increment(self, before: Point, increment: float) -> Attempt: ...
-
-    def tangent_at(self, attempt: Attempt) -> Tangent | None: ...
 
 
 @dataclass
@@ -60,35 +46,35 @@ class JumpError(Exception):
 
 
 def report_events(
-    path: Walker, before: Point, after: Point, increment: float, left: Point | None = None, strict: bool = True
+    run: PathRun, before: Point, after: Point, increment: float, left: Point | None = None, strict: bool = True
 ) -> None:
-    """Add to the results of `path` what happened between two of its points, one increment apart.
+    """Add to the results of `run` what happened between two of its points, one increment apart.
 
     `left` is the unstable equilibrium at the end of the increment that was left downhill for `after`, if any. Raises
     a JumpError where `after` turns out to lie on another path, or with `strict` where that cannot be excluded.
     """
-    events, index = path.found.events, len(path.found) - 1
+    events, index = run.results.events, len(run.results) - 1
     bracket = (before.state.lam, after.state.lam)
     reached = after if left is None else left
     try:
-        leaves = path.on_instability != "follow" and reached.negative > before.negative  # at the first one
-        _report_singular_points(path, before, reached, increment, index, leaves, strict and left is None)
+        leaves = run.settings.on_instability != "follow" and reached.negative > before.negative  # at the first one
+        _report_singular_points(run, before, reached, increment, index, leaves, strict and left is None)
     except JumpError:
         if left is None:
             raise
     finally:
-        path.system.history = after.history
+        run.system.history = after.history
     if left is not None:
         message = (
             f"the path loses its stability between load factors {bracket[0]:.6g} and {bracket[1]:.6g} "
             f"({left.negative} negative eigenvalues) and was left downhill for a stable equilibrium"
         )
         events.append(Event("switch", 0.5 * sum(bracket), index, message, bracket))
-    elif path.on_instability == "switch" and isinstance(path.control, LoadFactorControl) and after.negative:
+    elif run.settings.on_instability == "switch" and isinstance(run.control, LoadFactorControl) and after.negative:
         message = f"no stable equilibrium was found downhill at load factor {bracket[1]:.6g}: the step is unstable"
         events.append(Event("switch failed", bracket[1], index, message, bracket))
-    if isinstance(path.control, LoadFactorControl):
-        released, share = _energy_set_free(path, before, after)
+    if isinstance(run.control, LoadFactorControl):
+        released, share = _energy_set_free(run, before, after)
         if share > SNAP:
             message = (
                 f"snap between load factors {bracket[0]:.6g} and {bracket[1]:.6g}: "
@@ -97,12 +83,12 @@ def report_events(
             events.append(Event("snap", 0.5 * sum(bracket), index, message, bracket))
 
 
-def _energy_set_free(path: Walker, before: Point, after: Point) -> tuple[float, float]:
+def _energy_set_free(run: PathRun, before: Point, after: Point) -> tuple[float, float]:
     """Energy lost between two points beyond what a smooth stable path explains, and its share of the stored energy.
 
     There the potential changes by the work of the drive, which the trapezoidal rule knows up to the change of force.
     """
-    system = path.system
+    system = run.system
     for point in (before, after):
         if point.potential is None:
             state, system.history = point.state, point.history
@@ -122,30 +108,30 @@ def _energy_set_free(path: Walker, before: Point, after: Point) -> tuple[float, 
 
 
 def _report_singular_points(
-    path: Walker, before: Point, after: Point, increment: float, index: int, only_first: bool, strict: bool
+    run: PathRun, before: Point, after: Point, increment: float, index: int, only_first: bool, strict: bool
 ) -> None:
     """Locate every limit point and bifurcation on the path from `before` to `after`, or only the first one."""
     bracket = (before.state.lam, after.state.lam)
-    rates = _load_rate(path, before, before, after), _load_rate(path, after, before, after)
+    rates = _load_rate(run, before, before, after), _load_rate(run, after, before, after)
     limit: Place | None = None
-    if not isinstance(path.control, LoadFactorControl) and np.isfinite(rates).all() and rates[0] * rates[1] < 0:
-        limit = _locate_limit_point(path, before, after, increment, rates)
+    if not isinstance(run.control, LoadFactorControl) and np.isfinite(rates).all() and rates[0] * rates[1] < 0:
+        limit = _locate_limit_point(run, before, after, increment, rates)
         kind = "maximum" if rates[0] > 0 else "minimum"
         message = f"limit point ({kind}) at load factor {limit.point.state.lam:.8g}"
-        _append(path, "limit point", limit, index, message, bracket)
+        _append(run, "limit point", limit, index, message, bracket)
         if abs(after.negative - before.negative) == 1:
             return  # the change of stability is the limit point itself
     low, end = Place(0.0, before), Place(increment, after)
     try:
         while low.point.negative != end.point.negative:
-            near, far = _locate_crossing(path, before, low, end)
+            near, far = _locate_crossing(run, before, low, end)
             if limit is None or not near.way <= limit.way <= far.way:
-                place = min(near, far, key=lambda p: abs(critical_pair(path.system, p.point.tangent)[0]))
+                place = min(near, far, key=lambda p: abs(critical_pair(run.system, p.point.tangent)[0]))
                 message = (
                     f"bifurcation at load factor {place.point.state.lam:.8g} "
                     f"({near.point.negative} to {far.point.negative} negative eigenvalues)"
                 )
-                _append(path, "bifurcation", place, index, message, bracket)
+                _append(run, "bifurcation", place, index, message, bracket)
             if only_first:
                 return
             low = far
@@ -157,19 +143,19 @@ def _report_singular_points(
             f"{low.point.negative} to {end.point.negative} negative eigenvalues between load factors "
             f"{between[0]:.6g} and {between[1]:.6g}"
         )
-        path.found.events.append(Event("stability change", 0.5 * sum(between), index, message, bracket))
+        run.results.events.append(Event("stability change", 0.5 * sum(between), index, message, bracket))
 
 
-def _append(path: Walker, kind: str, place: Place, index: int, message: str, bracket: tuple[float, float]) -> None:
+def _append(run: PathRun, kind: str, place: Place, index: int, message: str, bracket: tuple[float, float]) -> None:
     """Add a located point with its critical mode to the events."""
-    system, point = path.system, place.point
+    system, point = run.system, place.point
     state = point.state
     system.history = point.history
     iterations = 0 if place.attempt is None else place.attempt.iterations
     residual = system.imbalance(state.u, state.lam)[1]
     step = make_step(system, state.u, state.lam, point.negative, residual, iterations)
     mode = nodal_shape(system, critical_pair(system, point.tangent)[1])
-    path.found.events.append(Event(kind, float(state.lam), index, message, bracket, step, mode))
+    run.results.events.append(Event(kind, float(state.lam), index, message, bracket, step, mode))
 
 
 def critical_pair(system: System, tangent: Tangent) -> tuple[float, Array]:
@@ -187,23 +173,23 @@ def critical_pair(system: System, tangent: Tangent) -> tuple[float, Array]:
         return value - shift, vector
 
 
-def _load_rate(path: Walker, point: Point, before: Point, after: Point) -> float:
+def _load_rate(run: PathRun, point: Point, before: Point, after: Point) -> float:
     """Change of the load factor on the tangent of `point`, walked in the sense of the step from before to after."""
-    return path.control.load_rate(point.tangent.rate, before.state, after.state)
+    return run.control.load_rate(point.tangent.rate, before.state, after.state)
 
 
-def _at(path: Walker, before: Point, way: float) -> Place:
+def _at(run: PathRun, before: Point, way: float) -> Place:
     """The point of the path `way` into the increment that starts from `before`."""
-    path.system.history = before.history
-    attempt = path.try_increment(before, way)
-    tangent = path.tangent_at(attempt)
+    run.system.history = before.history
+    attempt = run.try_increment(before, way)
+    tangent = run.tangent_at(attempt)
     if tangent is None:
         raise LostPathError
     return Place(way, Point(attempt.state, tangent, before.history), attempt)
 
 
 def _locate_limit_point(
-    path: Walker, before: Point, after: Point, increment: float, rates: tuple[float, float]
+    run: PathRun, before: Point, after: Point, increment: float, rates: tuple[float, float]
 ) -> Place:
     """The place of extreme load factor between two points: regula falsi (Illinois) on the rate of the load factor."""
     low, high = 0.0, increment
@@ -219,10 +205,10 @@ def _locate_limit_point(
             break
         trial = (low * f_high - high * f_low) / (f_high - f_low)
         try:
-            place = _at(path, before, trial)
+            place = _at(run, before, trial)
         except LostPathError:
             break
-        rate = _load_rate(path, place.point, before, after)
+        rate = _load_rate(run, place.point, before, after)
         if abs(rate) < best_rate:
             best, best_rate = place, abs(rate)
         if rate * f_high < 0:
@@ -234,7 +220,7 @@ def _locate_limit_point(
     return best
 
 
-def _locate_crossing(path: Walker, before: Point, low: Place, high: Place) -> tuple[Place, Place]:
+def _locate_crossing(run: PathRun, before: Point, low: Place, high: Place) -> tuple[Place, Place]:
     """The two ends of a short piece of path on which the number of negative eigenvalues first changes.
 
     Brent's method on the eigenvalue nearest to zero; on which side of the change a point lies, its inertia tells.
@@ -247,11 +233,11 @@ def _locate_crossing(path: Walker, before: Point, low: Place, high: Place) -> tu
     def eigenvalue(way: float) -> float:
         place = known.get(way)
         if place is None:
-            place = known[way] = _at(path, before, way)
-        value = abs(critical_pair(path.system, place.point.tangent)[0])
+            place = known[way] = _at(run, before, way)
+        value = abs(critical_pair(run.system, place.point.tangent)[0])
         return value if place.point.negative == first else -value
 
-    reached = [step.lam for step in path.found.steps] + [high.point.state.lam]
+    reached = [step.lam for step in run.results.steps] + [high.point.state.lam]
     tolerance = BIFURCATION_TOLERANCE * float(np.ptp(reached))
     near, far, close = low, high, 1e-3 * abs(high.way)
     for _ in range(4):  # the load factor may change faster than the way

@@ -14,11 +14,12 @@ from kirigami.analysis.base import require_drive
 from kirigami.analysis.path.controls import ArcLengthControl, Control, LoadFactorControl, SingleDisplacementControl
 from kirigami.analysis.path.follow import PathAnalysis
 from kirigami.analysis.path.increments import Increments, ordered_targets
-from kirigami.analysis.path.points import Point, State, Tangent
+from kirigami.analysis.path.points import Point
 from kirigami.errors import ModelError
 from kirigami.model.model import Model
 from kirigami.primitives.checks import require_finite
 from kirigami.primitives.node import AXES, Node
+from kirigami.results.results import Results
 from kirigami.results.step import Event, Step
 from kirigami.system.system import System
 
@@ -49,8 +50,8 @@ class _RangeAnalysis(PathAnalysis):
         if self.step == 0:
             raise ModelError(f"{owner}: step must not be zero")
 
-    def _plan(self, control: Control, state: State, tangent: Tangent) -> Increments:
-        begin = control.value(state.q, state.lam)
+    def plan(self, control: Control, point: Point) -> Increments:
+        begin = control.value(point.state.q, point.state.lam)
         targets = ordered_targets(self.targets, begin, self.to, type(self).__name__)
         span = abs(self.to - begin)
         first = self.step if self.step is not None else span / 20
@@ -112,7 +113,7 @@ class LoadControl(_RangeAnalysis):
     ) -> None:
         super().__init__(model, to, targets, step, tol, start, on_instability, branch, corrector)
 
-    def _make_control(self, system: System) -> Control:
+    def make_control(self, system: System) -> Control:
         require_drive(system, type(self).__name__)
         return LoadFactorControl()
 
@@ -185,7 +186,7 @@ class DisplacementControl(_RangeAnalysis):
                 raise ModelError(f"control must be a node and an axis, such as (node, 'y'), got {control!r}")
         self.single = control
 
-    def _make_control(self, system: System) -> Control:
+    def make_control(self, system: System) -> Control:
         if self.single is None:
             # A new stage brings its constraints to their place from wherever the last one ended, also back to zero.
             in_place = self.start is None or self.start.stage == system.model.stage
@@ -262,14 +263,14 @@ class ArcLength(PathAnalysis):
         self.max_steps = int(max_steps)
         self.stop = stop
 
-    def _make_control(self, system: System) -> Control:
+    def make_control(self, system: System) -> Control:
         require_drive(system, type(self).__name__)
         return ArcLengthControl(system)
 
-    def _plan(self, control: Control, state: State, tangent: Tangent) -> Increments:
+    def plan(self, control: Control, point: Point) -> Increments:
         assert isinstance(control, ArcLengthControl)
         control.sense = float(np.sign(self.step))
-        along = control.along(tangent.rate)
+        along = control.along(point.tangent.rate)
         if self.arc == "spherical":
             control.weight = float(np.linalg.norm(along))
         length = abs(self.step) * control.distance(along, 1.0)
@@ -279,9 +280,9 @@ class ArcLength(PathAnalysis):
             raise ModelError("ArcLength: the loads do not move the structure, so there is no path to follow")
         return Increments(length, 4 * length, 1e-6 * length)
 
-    def _steer(self, increments: Increments, point: Point) -> None:
-        away = float(np.linalg.norm(point.state.u - self.found[0].u[:, : self.model.dim]))
+    def steer(self, increments: Increments, results: Results, point: Point) -> None:
+        away = float(np.linalg.norm(point.state.u - results[0].u[:, : self.model.dim]))
         increments.largest = max(increments.largest, GROWTH * away)
 
-    def _stops(self, step: Step) -> bool:
-        return self.stop is not None and len(self.found) > 1 and bool(self.stop(step))
+    def stops(self, results: Results) -> bool:
+        return self.stop is not None and len(results) > 1 and bool(self.stop(results[-1]))

@@ -1,0 +1,79 @@
+"""What a path analysis is told: settings, checked when they are given, and what the path methods differ in."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from kirigami.analysis.base import Analysis
+from kirigami.analysis.path.controls import Control
+from kirigami.analysis.path.descent import CORRECTORS
+from kirigami.analysis.path.increments import Increments
+from kirigami.analysis.path.points import Point
+from kirigami.errors import ModelError
+from kirigami.model.model import Model
+from kirigami.primitives.checks import require_positive
+from kirigami.primitives.kernel import Array
+from kirigami.results.results import Results
+from kirigami.results.step import Event, Step
+from kirigami.system.system import System
+
+ON_INSTABILITY = ("follow", "switch", "stop")
+
+
+class PathSettings(Analysis):
+    """Settings of a path analysis; a run of it is a :class:`~kirigami.analysis.path.walk.Walk`."""
+
+    max_steps = 100_000
+
+    def __init__(
+        self,
+        model: Model,
+        tol: float,
+        start: Step | Event | None,
+        on_instability: str,
+        branch: int | None,
+        corrector: str = "newton",
+    ) -> None:
+        super().__init__(model)
+        owner = type(self).__name__
+        if on_instability not in ON_INSTABILITY:
+            raise ModelError(f"{owner}: on_instability must be one of {ON_INSTABILITY}, got {on_instability!r}")
+        self.on_instability = on_instability
+        if corrector not in CORRECTORS:
+            raise ModelError(f"{owner}: corrector must be one of {tuple(CORRECTORS)}, got {corrector!r}")
+        self.corrector = corrector
+        self.tol = require_positive(tol, "tol", owner)
+        self.branch = branch
+        self.mode: Array | None = None
+        if branch is not None and (branch not in (1, -1) or getattr(start, "kind", "") != "bifurcation"):
+            raise ModelError(f"{owner}: branch=+1 or -1 goes with start=event, a located bifurcation of results.events")
+        if isinstance(start, Event):
+            if start.located is None:
+                raise ModelError(f"{owner}: this event was not located, so nothing can start from it: {start}")
+            self.mode = start.mode
+            start = start.located
+        if start is not None and not isinstance(start, Step):
+            raise ModelError(f"{owner}: start must be a Step, such as results[-1], or an Event, got {start!r}")
+        self.start = start
+
+    def memorable(self) -> dict[str, Any]:
+        """What tells this analysis from another one of the same model; where it ends by choice does not."""
+        free = ("model", "results", "stop", "max_steps")
+        return {name: value for name, value in vars(self).items() if name not in free and name[0] != "_"}
+
+    # What the three methods differ in.
+
+    def make_control(self, system: System) -> Control:
+        """The equation beside equilibrium that says how far to go."""
+        raise NotImplementedError
+
+    def plan(self, control: Control, point: Point) -> Increments:
+        """Increments for a walk that starts from `point`."""
+        raise NotImplementedError
+
+    def stops(self, results: Results) -> bool:
+        """Whether the path ends here by choice."""
+        return False
+
+    def steer(self, increments: Increments, results: Results, point: Point) -> None:
+        """Adjust the increments once a point is accepted."""
