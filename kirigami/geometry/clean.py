@@ -25,6 +25,7 @@ Integers = NDArray[np.int64]
 Floats = NDArray[np.float64]
 
 OUTLINE = 0  # owner of the edges of the outline; cut i owns with i + 1, and lines follow after the cuts
+SCRAP = 0.1  # of the largest part; a part as small as this falls out, larger ones are pieces that somebody may want
 FARTHEST = 1e6  # sizes of the sheet; a cut beyond is surely drawn in another unit
 
 
@@ -116,12 +117,12 @@ def clean(
         A curve whose points are closer than this times the size of the sheet, more than half of them, is thinned as far
         as it moves by no more than ``snap``.
     allow_parts : bool
-        Whether cuts may sever the sheet.
+        Keep all parts into which cuts sever the sheet. Else small ones, up to a tenth of the largest, fall out.
 
     Raises
     ------
     GeometryError
-        If a cut lies outside the sheet or along its outline, if cuts sever the sheet, or if nothing of it is left.
+        If a cut lies outside the sheet, if cuts sever the sheet, or if nothing of it is left.
 
     Warns
     -----
@@ -143,13 +144,14 @@ def clean(
     owners_of = _owners(index.ravel(), edges[:, 2], len(pairs))
 
     hull = _Hull(points, pairs)
-    inside = hull.classify(_solid(outline, cuts, frame))
+    inside = _is_sheet(hull, edges, index.ravel())
     if not inside.any():
         raise GeometryError("nothing of the sheet is left: the holes cover it")
     sides = hull.sides(inside)
     _Report(outline, cuts, owners_of, sides, frame, snap).check()
     if not allow_parts:
-        _refuse_parts(hull, inside, owners_of, len(cuts), frame)
+        inside = _largest_part(hull, inside, owners_of, len(cuts), frame)
+        sides = hull.sides(inside)
 
     kept = np.flatnonzero(sides > 0)
     used, edge_points = np.unique(hull.directed(inside)[kept], return_inverse=True)
@@ -170,13 +172,17 @@ def clean(
 def _line_work(
     drawn: Sequence[BaseGeometry], cut_count: int, frame: Frame, snap: float, spacing: float
 ) -> tuple[Floats, Integers]:
-    """Points and edges (start, end, owner) of everything drawn, in the unit frame."""
+    """Points and edges of everything drawn, in the unit frame; an edge is start, end, owner and turn.
+
+    The turn is 1 on a ring whose inside lies at the left, -1 where it lies at the right, and 0 on lines.
+    """
     all_points: list[Floats] = []
     all_edges: list[Integers] = []
     count = 0
     for owner, geometry in enumerate(drawn):
+        is_area = isinstance(geometry, shapely.Polygon)
         rings = [geometry.exterior, *geometry.interiors] if isinstance(geometry, shapely.Polygon) else [geometry]
-        for ring in rings:
+        for number, ring in enumerate(rings):
             points = frame.to_unit(shapely.get_coordinates(ring))
             farthest = np.abs(points).max()
             if farthest > FARTHEST:
@@ -184,9 +190,11 @@ def _line_work(
                 raise GeometryError(f"{what} lies {farthest:.1e} sizes of the sheet away: is it in another unit?")
             if np.median(np.hypot(*np.diff(points, axis=0).T)) < spacing:
                 points = shapely.get_coordinates(shapely.simplify(shapely.LineString(points), snap))
+            turn = (1 if shapely.is_ccw(ring) == (number == 0) else -1) if is_area else 0
             start = count + np.arange(len(points) - 1)
+            owned, turned = np.full(len(start), owner), np.full(len(start), turn)
             all_points.append(points)
-            all_edges.append(np.column_stack([start, start + 1, np.full(len(start), owner)]))
+            all_edges.append(np.column_stack([start, start + 1, owned, turned]))
             count += len(points)
     return np.concatenate(all_points), np.concatenate(all_edges).astype(np.int64)
 
@@ -194,13 +202,49 @@ def _line_work(
 def _owners(edge: Integers, owner: Integers, count: int) -> list[tuple[int, ...]]:
     owners: list[list[int]] = [[] for _ in range(count)]
     for number, who in sorted(zip(edge.tolist(), owner.tolist(), strict=True)):
-        owners[number].append(who)
+        if not owners[number] or owners[number][-1] != who:
+            owners[number].append(who)
     return [tuple(group) for group in owners]
 
 
-def _solid(outline: shapely.Polygon, cuts: Sequence[BaseGeometry], frame: Frame) -> BaseGeometry:
-    holes = shapely.union_all([cut for cut in cuts if isinstance(cut, shapely.Polygon)])
-    return shapely.transform(shapely.difference(outline, holes), frame.to_unit)
+def _is_sheet(hull: _Hull, edges: Integers, pair: Integers) -> NDArray[np.bool_]:
+    """Which triangles are sheet: those round which the noded outline winds and no noded hole does.
+
+    Snapping moves points and splits edges, but a ring stays a ring: how often it winds round a region changes across
+    its own edges only. So no region is classed by where its points happen to lie, and none is lost to rounding.
+    """
+    region = regions(hull.triangles, hull.pairs)
+    outside = int(region.max()) + 1
+    left, right = np.where(hull.facets < 0, outside, region[hull.facets]).T
+    along = np.where(edges[:, 0] == hull.directed_pairs[pair, 0], 1, -1) * edges[:, 3]
+    windings = []
+    for is_own in (edges[:, 2] == OUTLINE, edges[:, 2] > OUTLINE):
+        jump = np.bincount(pair, weights=along * is_own, minlength=len(hull.pairs))
+        windings.append(_potential(outside, left, right, jump, region[hull.rim]))
+    is_sheet: NDArray[np.bool_] = ((windings[0] > 0) & (windings[1] <= 0))[region]
+    return is_sheet
+
+
+def _potential(outside: int, left: Integers, right: Integers, jump: Floats, free: Integers) -> Integers:
+    """Value of each region, where the region at the left of an edge has `jump` more than that at its right.
+
+    Outside, and in the regions `free` that are linked to it without an edge, it is zero.
+    """
+    from scipy.sparse import coo_array
+    from scipy.sparse.csgraph import breadth_first_order
+
+    ends = np.concatenate([left, free]), np.concatenate([right, np.full(len(free), outside)])
+    graph = coo_array((np.ones(len(ends[0])), ends), shape=(outside + 1, outside + 1))
+    order, before = breadth_first_order(graph.tocsr(), outside, directed=False)
+    step = {(a, b): value for a, b, value in zip(left.tolist(), right.tolist(), np.rint(jump).astype(int).tolist())}
+    step |= dict.fromkeys(zip(free.tolist(), [outside] * len(free)), 0)
+    value = np.zeros(outside + 1, np.int64)
+    for region in order[1:].tolist():
+        parent = int(before[region])
+        value[region] = value[parent] + (
+            step[region, parent] if (region, parent) in step else -step[parent, region]
+        )
+    return value
 
 
 class _Hull:
@@ -222,15 +266,7 @@ class _Hull:
             raise GeometryError("the mesh generator lost an edge of the drawing; try a larger `snap`")
         self.directed_pairs = np.column_stack([start[edge], end[edge]])  # the first facet at the left
         self.facets = np.column_stack([first // 3, np.where(second < 0, -1, second // 3)])[edge]
-
-    def classify(self, solid: BaseGeometry) -> NDArray[np.bool_]:
-        """Which triangles are sheet, decided per region by its largest triangle, which snapping cannot mislead."""
-        region = regions(self.triangles, self.pairs)
-        order = np.lexsort([-self.areas, region])
-        _, first = np.unique(region[order], return_index=True)
-        shapely.prepare(solid)
-        is_sheet: NDArray[np.bool_] = shapely.contains_xy(solid, self.corners[order[first]].mean(axis=1))[region]
-        return is_sheet
+        self.rim = first[(second < 0) & ~np.isin(np.arange(len(keys)), edge)] // 3  # at undrawn edges of the hull
 
     def _inside_at(self, inside: NDArray[np.bool_]) -> NDArray[np.bool_]:
         both: NDArray[np.bool_] = inside[self.facets] & (self.facets >= 0)
@@ -247,31 +283,39 @@ class _Hull:
         return np.where((right & ~left)[:, None], self.directed_pairs[:, ::-1], self.directed_pairs)
 
 
-def _refuse_parts(
+def _largest_part(
     hull: _Hull, inside: NDArray[np.bool_], owners_of: list[tuple[int, ...]], cut_count: int, frame: Frame
-) -> None:
+) -> NDArray[np.bool_]:
+    """The triangles of the largest part; scrap falls out with a word, other parts are refused."""
     separates = np.array([min(owners) <= cut_count for owners in owners_of])
     part = regions(hull.triangles, hull.pairs[separates], among=inside)
     names, area = np.unique(part[inside]), np.bincount(part, weights=hull.areas * inside)
     if len(names) == 1:
-        return
+        return inside
     names = names[np.argsort(-area[names], kind="stable")]
-    descriptions = []
-    for number, name in enumerate(names[:6], start=1):
+
+    def described(name: int) -> str:
         members = part == name
         corners = frame.from_unit(hull.corners[members].reshape(-1, 2))
         (x0, y0), (x1, y1) = corners.min(axis=0), corners.max(axis=0)
         touching = hull.sides(members) > 0
         cuts = sorted({o - 1 for e in np.flatnonzero(touching) for o in owners_of[e] if OUTLINE < o <= cut_count})
-        descriptions.append(
-            f"part {number}: x {x0:.6g} to {x1:.6g}, y {y0:.6g} to {y1:.6g}, area {area[name] * frame.size**2:.4g}, "
+        return (
+            f"x {x0:.6g} to {x1:.6g}, y {y0:.6g} to {y1:.6g}, area {area[name] * frame.size**2:.4g}, "
             f"along {_names(cuts)}"
         )
-    more = [] if len(names) <= 6 else [f"and {len(names) - 6} smaller ones"]
-    raise GeometryError(
-        f"the cuts sever the sheet into {len(names)} parts:\n  " + "\n  ".join(descriptions + more) + "\n"
-        "Shorten a cut, draw a piece that is to fall out as a Polygon, or pass allow_parts=True."
-    )
+
+    if (area[names[1:]] > SCRAP * area[names[0]]).any():
+        descriptions = [f"part {number}: {described(name)}" for number, name in enumerate(names[:6], start=1)]
+        more = [] if len(names) <= 6 else [f"and {len(names) - 6} smaller ones"]
+        raise GeometryError(
+            f"the cuts sever the sheet into {len(names)} parts:\n  " + "\n  ".join(descriptions + more) + "\n"
+            "Shorten a cut, draw a piece that is to fall out as a Polygon, or pass allow_parts=True."
+        )
+    verb = "piece falls" if len(names) == 2 else "pieces fall"
+    pieces = "; ".join(described(name) for name in names[1:4]) + ("; ..." if len(names) > 4 else "")
+    warnings.warn(f"{len(names) - 1} {verb} out: {pieces}", KirigamiWarning, stacklevel=4)
+    return part == names[0]
 
 
 class _Report:
@@ -295,7 +339,7 @@ class _Report:
                     self.edges_of[owner - 1].append(edge)
 
     def check(self) -> None:
-        short, beyond, inert, thin = [], [], [], []
+        short, beyond, inert, thin, along = [], [], [], [], []
         for number, cut in enumerate(self.cuts):
             edges = self.edges_of[number]
             sides = self.sides[edges]
@@ -308,6 +352,9 @@ class _Report:
                     self._refuse_if_outside(number, edges)
                     inert.append(number)
             elif not (sides == 2).any():
+                if any(self.sides[edge] == 1 and OUTLINE in self.owners_of[edge] for edge in edges):
+                    along.append(number)
+                    continue
                 self._refuse_if_outside(number, edges)
                 inert.append(number)
             elif (sides < 2).any():
@@ -316,6 +363,7 @@ class _Report:
         self._warn(short, f"smaller than the snapping distance {snap} and left out")
         self._warn(thin, f"narrower than the snapping distance {snap} and taken as a slit")
         self._warn(inert, "inside a hole or along the edge of one, and without effect")
+        self._warn(along, "drawn along the outline, and without effect")
         self._warn(beyond, "drawn beyond the edge of the sheet or of a hole; what lies beyond is left out")
         self._warn(self._touching_holes(), "holes that touch or overlap, and merged")
         self._warn(self._repeated(), "drawn on top of each other, in part or whole, and merged")

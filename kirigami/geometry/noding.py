@@ -37,15 +37,16 @@ def node_lines(points: Floats, edges: Integers, tolerance: float) -> tuple[Float
     ----------
     points : ndarray, shape (p, 2)
         Coordinates, about one in size.
-    edges : ndarray of int, shape (e, 3)
-        Start point, end point and owner of each edge. Edges of different owners may coincide.
+    edges : ndarray of int, shape (e, 3 or more)
+        Start point, end point and owner of each edge; further columns are carried along. Edges may coincide.
     tolerance : float
         Distance below which points become one; a point and an edge touch below half of it.
 
     Returns
     -------
     points, edges
-        The same arrays for the planar graph; points without an edge are left out.
+        The same arrays for the planar graph; points without an edge are left out. An edge that was drawn more than once
+        appears as often, in the direction in which it was drawn: what winds round a place still does so.
 
     Raises
     ------
@@ -62,7 +63,7 @@ def node_lines(points: Floats, edges: Integers, tolerance: float) -> tuple[Float
     points = np.round(points / GRID) * GRID
     for _ in range(MAX_ROUNDS):
         points, edges = _merge_points(points, edges, tolerance)
-        lines, line_rank = _lines(edges)
+        lines, line_rank, line_of_edge = _lines(edges)
         rank = _point_ranks(len(points), edges)
         split_line, split_point = _points_on_lines(points, lines, 0.5 * tolerance)
         if split_line.size:
@@ -71,7 +72,7 @@ def node_lines(points: Floats, edges: Integers, tolerance: float) -> tuple[Float
             points, split_line, split_point = _crossings(points, lines)
         if not split_line.size:
             return points, edges
-        edges = _split(points, edges, lines, split_line, split_point)
+        edges = _split(points, edges, lines, line_of_edge, split_line, split_point)
     raise GeometryError(
         f"the cuts are too dense to be told apart: they still touch after {MAX_ROUNDS} rounds of snapping at "
         f"{tolerance:g} of the size of the sheet; simplify the drawing or lower `snap`"
@@ -83,7 +84,7 @@ def _merge_points(points: Floats, edges: Integers, tolerance: float) -> tuple[Fl
     cells = np.round(points / (0.25 * tolerance))
     _, first, cell = np.unique(cells, axis=0, return_index=True, return_inverse=True)
     target = first[cell.ravel()]
-    edges = np.column_stack([target[edges[:, :2]], edges[:, 2]])
+    edges = np.column_stack([target[edges[:, :2]], edges[:, 2:]])
     kept = np.unique(edges[:, :2])
     order = np.empty(len(points), np.int64)  # the order in which points were drawn
     order[np.lexsort([np.arange(len(points)), _point_ranks(len(points), edges)])] = np.arange(len(points))
@@ -99,10 +100,10 @@ def _merge_points(points: Floats, edges: Integers, tolerance: float) -> tuple[Fl
         stays = [other for other in earlier[point] if replace[other] == other]
         if stays:  # a chain of close points thins out instead of collapsing into one
             replace[point] = min(stays, key=lambda other: (float(np.hypot(*(points[other] - points[point]))), other))
-    merged = np.column_stack([replace[edges[:, :2]], edges[:, 2]])
-    merged = _unique_edges(merged[merged[:, 0] != merged[:, 1]])
+    merged = np.column_stack([replace[edges[:, :2]], edges[:, 2:]])
+    merged = merged[merged[:, 0] != merged[:, 1]]
     used, index = np.unique(merged[:, :2], return_inverse=True)
-    return points[used], np.column_stack([index.reshape(-1, 2), merged[:, 2]])
+    return points[used], np.column_stack([index.reshape(-1, 2), merged[:, 2:]])
 
 
 def _point_ranks(count: int, edges: Integers) -> Integers:
@@ -113,19 +114,12 @@ def _point_ranks(count: int, edges: Integers) -> Integers:
     return rank
 
 
-def _lines(edges: Integers) -> tuple[Integers, Integers]:
-    """Distinct edges as pairs in ascending order, and the lowest owner of each."""
+def _lines(edges: Integers) -> tuple[Integers, Integers, Integers]:
+    """Distinct edges as pairs in ascending order, the lowest owner of each, and the line of every edge."""
     lines, index = np.unique(np.sort(edges[:, :2], axis=1), axis=0, return_inverse=True)
     rank = np.full(len(lines), np.iinfo(np.int64).max)
     np.minimum.at(rank, index.ravel(), edges[:, 2])
-    return lines, rank
-
-
-def _unique_edges(edges: Integers) -> Integers:
-    """Edges without repetition, in the order of their first appearance."""
-    key = np.column_stack([np.sort(edges[:, :2], axis=1), edges[:, 2]])
-    _, first = np.unique(key, axis=0, return_index=True)
-    return edges[np.sort(first)]
+    return lines, rank, index.ravel()
 
 
 def _points_on_lines(points: Floats, lines: Integers, distance: float) -> tuple[Integers, Integers]:
@@ -160,19 +154,20 @@ def _crossings(points: Floats, lines: Integers) -> tuple[Floats, Integers, Integ
     return np.concatenate([points, new_points]), np.concatenate([one, other]), np.concatenate([number, number])
 
 
-def _split(points: Floats, edges: Integers, lines: Integers, split_line: Integers, split_point: Integers) -> Integers:
+def _split(
+    points: Floats, edges: Integers, lines: Integers, line_of_edge: Integers, split_line: Integers, split_point: Integers
+) -> Integers:
     """Replace each split line by the chain through its points, for every owner."""
-    chains: dict[tuple[int, int], list[int]] = {}
     start = points[lines[split_line, 0]]
     along = np.einsum("ij,ij->i", points[split_point] - start, points[lines[split_line, 1]] - start)
+    chains: dict[int, list[int]] = {}
     for index in np.lexsort([split_point, along]):
-        low, high = lines[split_line[index]].tolist()
-        chains.setdefault((low, high), []).append(int(split_point[index]))
-    result: list[tuple[int, int, int]] = []
-    for begin, end, owner in edges.tolist():
-        low, high = min(begin, end), max(begin, end)
-        chain = [low, *chains.get((low, high), []), high]
+        chains.setdefault(int(split_line[index]), []).append(int(split_point[index]))
+    is_split = np.isin(line_of_edge, split_line)
+    pieces: list[list[int]] = []
+    for line, (begin, end, *rest) in zip(line_of_edge[is_split].tolist(), edges[is_split].tolist(), strict=True):
+        chain = [min(begin, end), *chains[line], max(begin, end)]
         if begin > end:
             chain.reverse()
-        result.extend((a, b, owner) for a, b in pairwise(chain))
-    return _unique_edges(np.array(result, dtype=np.int64))
+        pieces.extend([one, two, *rest] for one, two in pairwise(chain))
+    return np.concatenate([edges[~is_split], np.array(pieces, dtype=np.int64)])

@@ -67,7 +67,9 @@ def survey(first: int, count: int) -> str:
         outline, cuts, max_edge = random_drawing(seed)
         try:
             sheet = kg.Sheet(outline, cuts)
-            mesh = sheet.mesh(max_edge, allow_parts=seed % 3 > 0)
+            with warnings.catch_warnings(record=True) as told:
+                warnings.simplefilter("always")
+                mesh = sheet.mesh(max_edge, allow_parts=seed % 3 > 0)
         except kg.GeometryError as error:
             assert "generator" not in str(error), f"drawing {seed}: {error}"  # the wall should have seen it
             errors += 1
@@ -75,7 +77,13 @@ def survey(first: int, count: int) -> str:
         meshes += 1
         # Snapping moves points by less than a thousandth of the edges.
         slack = 2e-4 * sheet.area + 1e-4 * max_edge**2
-        assert abs(mesh.facet_areas.sum() - sheet.area) < slack, f"drawing {seed}: area"
+        area = mesh.facet_areas.sum()
+        if any("out: " in str(warning.message) for warning in told):  # scrap: what is left is the largest part
+            whole = sheet.mesh(max_edge, allow_parts=True)
+            assert whole.facet_parts.max() > 0, f"drawing {seed}: nothing could fall out"
+            assert abs(np.bincount(whole.facet_parts, whole.facet_areas).max() - area) < slack, f"drawing {seed}: part"
+            area = whole.facet_areas.sum()
+        assert abs(area - sheet.area) < slack, f"drawing {seed}: area"
         assert mesh.edge_lengths.max() <= 1.1 * max_edge, f"drawing {seed}: long edge"
         drawn = sum(len(cut.members) for cut in mesh.cuts)
         assert drawn <= len(cuts), f"drawing {seed}: cuts"
@@ -87,7 +95,7 @@ def test_no_drawing_ends_the_process():
     assert done.returncode == 0, done.stderr[-2000:]
     meshes, errors = (int(part.split()[0]) for part in done.stdout.split(","))
     assert meshes + errors == CASES
-    assert min(meshes, errors) > CASES // 10  # the drawings are neither all good nor all bad
+    assert min(meshes, errors) > CASES // 30  # neither all good nor all bad: large pieces, cuts outside, nothing left
 
 
 @pytest.mark.long
