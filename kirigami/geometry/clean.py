@@ -219,13 +219,14 @@ def _is_sheet(hull: _Hull, edges: Integers, pair: Integers) -> NDArray[np.bool_]
     along = np.where(edges[:, 0] == hull.directed_pairs[pair, 0], 1, -1) * edges[:, 3]
     windings = []
     for is_own in (edges[:, 2] == OUTLINE, edges[:, 2] > OUTLINE):
-        jump = np.bincount(pair, weights=along * is_own, minlength=len(hull.pairs))
+        jump = np.zeros(len(hull.pairs), np.int64)
+        np.add.at(jump, pair, along * is_own)
         windings.append(_potential(outside, left, right, jump, region[hull.rim]))
     is_sheet: NDArray[np.bool_] = ((windings[0] > 0) & (windings[1] <= 0))[region]
     return is_sheet
 
 
-def _potential(outside: int, left: Integers, right: Integers, jump: Floats, free: Integers) -> Integers:
+def _potential(outside: int, left: Integers, right: Integers, jump: Integers, free: Integers) -> Integers:
     """Value of each region, where the region at the left of an edge has `jump` more than that at its right.
 
     Outside, and in the regions `free` that are linked to it without an edge, it is zero.
@@ -236,7 +237,7 @@ def _potential(outside: int, left: Integers, right: Integers, jump: Floats, free
     ends = np.concatenate([left, free]), np.concatenate([right, np.full(len(free), outside)])
     graph = coo_array((np.ones(len(ends[0])), ends), shape=(outside + 1, outside + 1))
     order, before = breadth_first_order(graph.tocsr(), outside, directed=False)
-    step = {(a, b): value for a, b, value in zip(left.tolist(), right.tolist(), np.rint(jump).astype(int).tolist())}
+    step = {(a, b): value for a, b, value in zip(left.tolist(), right.tolist(), jump.tolist())}
     step |= dict.fromkeys(zip(free.tolist(), [outside] * len(free)), 0)
     value = np.zeros(outside + 1, np.int64)
     for region in order[1:].tolist():
@@ -315,7 +316,8 @@ def _largest_part(
     verb = "piece falls" if len(names) == 2 else "pieces fall"
     pieces = "; ".join(described(name) for name in names[1:4]) + ("; ..." if len(names) > 4 else "")
     warnings.warn(f"{len(names) - 1} {verb} out: {pieces}", KirigamiWarning, stacklevel=4)
-    return part == names[0]
+    kept: NDArray[np.bool_] = part == names[0]
+    return kept
 
 
 class _Report:

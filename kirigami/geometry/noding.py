@@ -155,7 +155,12 @@ def _crossings(points: Floats, lines: Integers) -> tuple[Floats, Integers, Integ
 
 
 def _split(
-    points: Floats, edges: Integers, lines: Integers, line_of_edge: Integers, split_line: Integers, split_point: Integers
+    points: Floats,
+    edges: Integers,
+    lines: Integers,
+    line_of_edge: Integers,
+    split_line: Integers,
+    split_point: Integers,
 ) -> Integers:
     """Replace each split line by the chain through its points, for every owner."""
     start = points[lines[split_line, 0]]
