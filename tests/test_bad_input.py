@@ -213,8 +213,9 @@ def test_analysis_arguments():
         kg.ArcLength(m, step=0)
     with pytest.raises(kg.ModelError, match="tol must be positive"):
         kg.LoadControl(m, tol=0)
-    with pytest.raises(kg.ModelError, match="outside the range"):
-        kg.LoadControl(m, to=0.1, targets=[0.5]).run()
+    for bad in ("abc", [1j], [[0.1], [0.2, 0.3]], [math.inf], {0.1}, [10**400], [None], [True]):
+        with pytest.raises(kg.ModelError, match="targets must be"):
+            kg.LoadControl(m, to=0.1, targets=bad)
     with pytest.raises(kg.ModelError, match="control must be"):
         kg.DisplacementControl(m, control=apex)
     with pytest.raises(kg.ModelError, match="constrained"):

@@ -235,3 +235,43 @@ def test_arc_length_takes_a_plate_over_to_its_branch() -> None:
     driven = kg.DisplacementControl(m, to=float(arc.lam[-1])).run()
     assert arc.reaction(top, "y")[-1] == pytest.approx(driven.reaction(top, "y")[-1], rel=1e-6)
     assert np.abs(arc.u[-1, :, 2]).max() == pytest.approx(np.abs(driven.u[-1, :, 2]).max(), rel=1e-5)
+
+
+# ------------------------------------------------------------------------------------------- there and back, collapse
+
+
+@pytest.mark.parametrize("method", [kg.LoadControl, kg.DisplacementControl])
+def test_targets_are_met_in_the_order_given(method: type) -> None:
+    """A truss that does not reach its limit load is pushed, let go, and pulled: P(w) holds on every leg."""
+    m, apex, grip = truss_and_spring(0.05)
+    if method is kg.LoadControl:
+        m.add(kg.NodalLoad(grip, (0, -0.1)))
+    else:
+        m.add(kg.Prescribe(grip, y=-1.0))
+    seen: list[float] = []
+    res = method(m, to=0.0, targets=[1.0, 0.2, 0.6, -0.5]).run(recorders=[lambda step: seen.append(step.lam)])
+    stations = [0.0, 1.0, 0.2, 0.6, -0.5, 0.0]
+    turns = [0, *(np.flatnonzero(np.diff(np.sign(np.diff(res.lam)))) + 1).tolist(), len(res) - 1]
+    assert res.lam[turns].tolist() == stations and res.lam[0] == 0 == res.lam[-1]
+    height = 1 + res.u[:, 1, 1]
+    load = height * (1 - height**2) / 2**1.5
+    applied = 0.1 * res.lam if method is kg.LoadControl else -res.reaction(grip, "y")
+    assert applied == pytest.approx(load, abs=1e-7)
+    np.testing.assert_allclose(res.u[-1], 0, atol=1e-8)
+
+
+@pytest.mark.parametrize(("strain", "law"), [("engineering", "linear"), ("green", "ogden"), ("green", "linear")])
+def test_no_step_holds_a_force_that_is_not_finite(strain: str, law: str) -> None:
+    """A bar driven to zero length has no unknown whose residual could tell; only the Green strain stays finite."""
+    m = kg.Model(dim=2)
+    a, b = m.add(kg.Node(0, 0), kg.Node(1, 0))
+    m.add(kg.Bar(a, b, 1.0, strain=strain, law=law), kg.Fix(a), kg.Fix(b, "y"), kg.Prescribe(b, x=-1.0))
+    if (strain, law) == ("green", "linear"):
+        res = kg.DisplacementControl(m).run()  # the force is EA e (1 + 2 e)^(1/2) L/L0 and vanishes with the length
+        assert res.lam[-1] == 1.0 and np.isfinite(res.reaction(b, "x")).all()
+        return
+    with pytest.raises(kg.ConvergenceError, match="a member collapsed") as caught:
+        kg.DisplacementControl(m).run()
+    assert caught.value.results is not None and caught.value.results.lam[-1] > 0.9
+    assert np.isfinite(caught.value.results.reaction(b, "x")).all()
+    assert caught.value.worst_nodes == [0, 1]

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from kirigami.errors import ModelError
+from kirigami.errors import ConvergenceError, ModelError
 from kirigami.linalg import Factor, SingularMatrixError, make_solver
 from kirigami.model.model import Model
 from kirigami.primitives.kernel import Array
@@ -73,6 +73,41 @@ class Run:
             check_floppy(system, matrix, factor)
         return blocks, factor
 
+    def make_step(self, u: Array, lam: float, negative: int | None, residual: float, iterations: int) -> Step:
+        """A step to store from an equilibrium, with the residual measured against the reactions as well.
+
+        Raises a ConvergenceError where a force or the energy is not finite: also forces at supports, which no residual
+        sees.
+        """
+        system = self.system
+        with np.errstate(all="ignore"):
+            total, _ = system.forces(u, lam)
+            energy = sum(system.energies(u, lam).values())
+        if not (np.isfinite(total).all() and np.isfinite(energy)):
+            worst = np.flatnonzero(~np.isfinite(total).all(axis=1))[:5].tolist()
+            named = ", ".join(f"{k} {system.model.nodes[k]!r}" for k in worst[:3])
+            where = f"forces are not finite at nodes {named}" if worst else "its energy is not finite"
+            raise ConvergenceError(
+                f"a member collapsed at load factor {lam:.6g}: {where}",
+                results=self.results,
+                worst_nodes=worst,
+                hint="prescribe less, or free the nodes between which it lies; the results so far are in error.results",
+            )
+        reactions = float(np.linalg.norm(total[system.constrained]))
+        unbalanced = float(np.linalg.norm(system.reduce(total)))
+        full = np.zeros((len(u), 3))
+        full[:, : system.dim] = u
+        return Step(
+            lam=float(lam),
+            u=full,
+            negative=negative,
+            residual=residual,
+            residual_over_reaction=unbalanced / reactions if reactions else float("nan"),
+            iterations=iterations,
+            history=system.history,
+            stage=system.model.stage,
+        )
+
     def count_seconds(self) -> None:
         """Bring the seconds and steps in the stats up to date."""
         self.results.stats["steps"] = len(self.results.steps)
@@ -92,25 +127,6 @@ class Run:
         self.count_seconds()
         self.system.linearize(None)
         return self.results
-
-
-def make_step(system: System, u: Array, lam: float, negative: int | None, residual: float, iterations: int) -> Step:
-    """A stored step from a converged state, with the residual measured against the reactions as well."""
-    total, _ = system.forces(u, lam)
-    reactions = float(np.linalg.norm(total[system.constrained]))
-    unbalanced = float(np.linalg.norm(system.reduce(total)))
-    full = np.zeros((len(u), 3))
-    full[:, : system.dim] = u
-    return Step(
-        lam=float(lam),
-        u=full,
-        negative=negative,
-        residual=residual,
-        residual_over_reaction=unbalanced / reactions if reactions else float("nan"),
-        iterations=iterations,
-        history=system.history,
-        stage=system.model.stage,
-    )
 
 
 def require_drive(system: System, owner: str, constant_counts: bool = False) -> None:

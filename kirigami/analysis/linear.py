@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from kirigami.analysis.base import Analysis, Run, make_step, require_drive
+from kirigami.analysis.base import Analysis, Run, require_drive
 from kirigami.model.model import Model
 from kirigami.results.results import Results
 
@@ -56,7 +56,7 @@ class LinearStatic(Analysis):
             q_rate = factor.solve(-rate)
         for lam in (0.0, 1.0):
             u = system.displacement(q_constant + lam * q_rate, lam)
-            results.append(make_step(system, u, lam, factor.negative, float("nan"), 1))
+            results.append(run.make_step(u, lam, factor.negative, float("nan"), 1))
             # The residual of the linear equations, over the forces that the displacements cause block by block.
             unbalanced = system.reduce(results._gradients[-1][:, : system.dim])
             caused = float(np.linalg.norm(system.plan.multiply(np.abs(blocks), np.abs(u)))) or 1.0

@@ -11,6 +11,7 @@ import hashlib
 import json
 import os
 import time
+import warnings
 from contextlib import suppress
 from dataclasses import fields, is_dataclass
 from pathlib import Path
@@ -21,7 +22,7 @@ import numpy as np
 from kirigami.analysis.path.points import Attempt, Point, State
 from kirigami.analysis.path.run import PathRun
 from kirigami.analysis.path.settings import PathSettings
-from kirigami.errors import AnalysisError, ModelError
+from kirigami.errors import AnalysisError, KirigamiError, KirigamiWarning, ModelError
 from kirigami.linalg import SingularMatrixError
 from kirigami.model.model import Model
 from kirigami.primitives.kernel import Kernel
@@ -44,6 +45,7 @@ class Checkpoint:
             raise ModelError(f"checkpoint must be a file, but {self.path} is a folder")
         self._pending: tuple[Results, dict[str, Any]] | None = None
         self._next = 0.0
+        self._warned = False
 
     def read(self) -> tuple[Results, dict[str, Any]] | None:
         """A bare Results with steps, events and stats, and the memory of the walk; None where there is no file."""
@@ -100,8 +102,14 @@ class Checkpoint:
                 plain[key] = value
         walk = {"version": VERSION, "fingerprint": self.fingerprint, "memory": plain, "arrays": named}
         arrays["walk"] = np.array(json.dumps(walk))
-        write(self.path, arrays, compressed=False)
-        self._pending = None
+        try:
+            write(self.path, arrays, compressed=False)
+            self._pending = None
+        except (OSError, KirigamiError) as error:
+            if not self._warned:
+                message = f"the checkpoint {self.path} cannot be written ({error}): the run goes on, to try again later"
+                warnings.warn(message, KirigamiWarning, stacklevel=2)
+            self._warned = True
         ended = time.monotonic()
         self._next = ended + BUSY * (ended - started)
 

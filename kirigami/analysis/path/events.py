@@ -11,7 +11,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from kirigami.analysis.base import make_step
 from kirigami.analysis.modes import nodal_shape
 from kirigami.analysis.path.controls import LoadFactorControl
 from kirigami.analysis.path.points import Attempt, Point, Tangent
@@ -92,8 +91,9 @@ def _energy_set_free(run: PathRun, before: Point, after: Point) -> tuple[float, 
     for point in (before, after):
         if point.potential is None:
             state, system.history = point.state, point.history
-            value = sum(system.energies(state.u, state.lam).values())
-            point.potential = value, system.potential_rate(state.u, state.lam)
+            with np.errstate(all="ignore"):
+                value = sum(system.energies(state.u, state.lam).values())
+                point.potential = value, system.potential_rate(state.u, state.lam)
     system.history = after.history
     assert before.potential is not None and after.potential is not None
     energy, rate = zip(before.potential, after.potential)
@@ -153,7 +153,7 @@ def _append(run: PathRun, kind: str, place: Place, index: int, message: str, bra
     system.history = point.history
     iterations = 0 if place.attempt is None else place.attempt.iterations
     residual = system.imbalance(state.u, state.lam)[1]
-    step = make_step(system, state.u, state.lam, point.negative, residual, iterations)
+    step = run.make_step(state.u, state.lam, point.negative, residual, iterations)
     mode = nodal_shape(system, critical_pair(system, point.tangent)[1])
     run.results.events.append(Event(kind, float(state.lam), index, message, bracket, step, mode))
 

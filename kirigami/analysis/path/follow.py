@@ -41,6 +41,7 @@ class PathAnalysis(PathSettings):
         checkpoint : path, optional
             A file that is kept up to date with every accepted step (or so often that writing takes a twentieth of the
             time), so that nothing is lost when the process is killed. :func:`kirigami.load` reads it as results.
+            Where it cannot be written, as on a full disk, a warning says so and the run goes on.
         resume : bool
             Whether to go on from the checkpoint where there is one: the same call finishes what was begun, with the
             same curve as without the interruption. False starts anew and replaces it.

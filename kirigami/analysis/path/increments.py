@@ -23,7 +23,7 @@ class Increments:
     ) -> None:
         self.size, self.largest, self.smallest = abs(first), abs(largest), abs(smallest)
         self.targets = list(targets)  # in the order they are met; the last one ends the walk
-        self.origin = origin
+        self.way = _way([origin, *self.targets])  # length of all of it, there and back
         self.sense = 1.0
         self.least_growth, self.growth_after_snap = 0.5, 1.0
 
@@ -67,23 +67,26 @@ class Increments:
         self.size = min(max(base * growth, self.smallest), self.largest)
 
     def progress(self, value: float) -> float | None:
-        """Share of the walk done, where its end is known."""
+        """Share of the way done, there and back, where its end is known."""
         if not self.targets:
             return None
-        span = self.targets[-1] - self.origin
-        return (value - self.origin) / span if span else 1.0
+        ahead = _way([value, *self.targets])
+        return 1.0 - ahead / self.way if self.way else 1.0
 
 
-def ordered_targets(targets: ArrayLike | None, begin: float, to: float, owner: str) -> list[float]:
-    """Targets between `begin` and `to`, in the order they are met, ending in `to`."""
+def _way(stations: Sequence[float]) -> float:
+    """Length of a way from station to station."""
+    return float(np.abs(np.diff(stations)).sum())
+
+
+def checked_targets(targets: ArrayLike | None, owner: str) -> list[float]:
+    """Targets as numbers in the order given, which is the order in which they are met."""
     if targets is None:
-        return [to]
-    values = np.atleast_1d(np.asarray(targets, dtype=float))
-    if values.ndim != 1 or not np.isfinite(values).all():
-        raise ModelError(f"{owner}: targets must be a list of finite numbers")
-    low, high = min(begin, to), max(begin, to)
-    outside = values[(values < low) | (values > high)]
-    if outside.size:
-        raise ModelError(f"{owner}: target {outside[0]:g} lies outside the range {begin:g} to {to:g} of this run")
-    ordered = sorted(set(values.tolist()) | {to}, reverse=to < begin)
-    return ordered
+        return []
+    try:
+        values = np.atleast_1d(np.asarray(targets))
+        if values.dtype.kind not in "iuf" or values.ndim != 1 or not np.isfinite(values).all():
+            raise ValueError
+    except (ValueError, TypeError, OverflowError):
+        raise ModelError(f"{owner}: targets must be a list of finite numbers, got {targets!r}") from None
+    return [float(value) for value in values]

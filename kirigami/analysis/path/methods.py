@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike
 from kirigami.analysis.base import require_drive
 from kirigami.analysis.path.controls import ArcLengthControl, Control, LoadFactorControl, SingleDisplacementControl
 from kirigami.analysis.path.follow import PathAnalysis
-from kirigami.analysis.path.increments import Increments, ordered_targets
+from kirigami.analysis.path.increments import Increments, checked_targets
 from kirigami.analysis.path.points import Point
 from kirigami.errors import ModelError
 from kirigami.model.model import Model
@@ -45,15 +45,15 @@ class _RangeAnalysis(PathAnalysis):
         super().__init__(model, tol, start, on_instability, branch, corrector)
         owner = type(self).__name__
         self.to = require_finite(to, "to", owner)
-        self.targets = targets
+        self.targets = checked_targets(targets, owner)
         self.step = None if step is None else abs(require_finite(step, "step", owner))
         if self.step == 0:
             raise ModelError(f"{owner}: step must not be zero")
 
     def plan(self, control: Control, point: Point) -> Increments:
         begin = control.value(point.state.q, point.state.lam)
-        targets = ordered_targets(self.targets, begin, self.to, type(self).__name__)
-        span = abs(self.to - begin)
+        targets = [*self.targets, self.to] if self.targets[-1:] != [self.to] else list(self.targets)
+        span = max(begin, *targets) - min(begin, *targets)
         first = self.step if self.step is not None else span / 20
         return Increments(first, max(span / 10, first), SMALLEST * max(span, first), targets, begin)
 
@@ -68,7 +68,8 @@ class LoadControl(_RangeAnalysis):
     to : float
         Load factor at the end.
     targets : array_like, optional
-        Load factors that are hit exactly and stored on the way.
+        Load factors that are hit exactly and stored on the way, in the order given, and then `to`: ``targets=[1.0],
+        to=0.0`` pulls and lets go.
     step : float, optional
         First increment; None takes a twentieth of the range. Increments adapt and stay below a tenth of it.
     tol : float
@@ -131,7 +132,8 @@ class DisplacementControl(_RangeAnalysis):
     control : (Node, str), optional
         A node and an axis whose displacement is walked, while the load factor is an unknown.
     targets : array_like, optional
-        Values of what is walked that are hit exactly and stored on the way.
+        Values of what is walked that are hit exactly and stored on the way, in the order given, and then `to`:
+        ``targets=[1.0], to=0.0`` pulls and lets go.
     step : float, optional
         First increment; None takes a twentieth of the range. Increments adapt and stay below a tenth of it.
     tol : float

@@ -140,9 +140,10 @@ class PathRun(Run):
             if attempt.stiffness is not None:
                 blocks, factor = attempt.stiffness
             else:
-                blocks = system.stiffness_blocks(state.u, state.lam)
+                with np.errstate(all="ignore"):  # a member without length is told of where the step is stored
+                    blocks = system.stiffness_blocks(state.u, state.lam)
                 factor = self.factorize_blocks(blocks)
-            with system.clock("solve"):
+            with system.clock("solve"), np.errstate(all="ignore"):
                 rate = -factor.solve(system.load_rate(state.u, state.lam, blocks))
         except SingularMatrixError as error:
             attempt.reason = str(error)

@@ -12,7 +12,6 @@ from typing import Any, NoReturn
 
 import numpy as np
 
-from kirigami.analysis.base import make_step
 from kirigami.analysis.path.branching import leave_along_mode, switch
 from kirigami.analysis.path.checkpoint import Checkpoint, resume
 from kirigami.analysis.path.controls import LoadFactorControl
@@ -199,7 +198,7 @@ class Walk(PathRun):
 
     def _store(self, point: Point, attempt: Attempt) -> None:
         state = point.state
-        self._record(make_step(self.system, state.u, state.lam, point.negative, attempt.residual, attempt.iterations))
+        self._record(self.make_step(state.u, state.lam, point.negative, attempt.residual, attempt.iterations))
 
     def _record(self, step: Step) -> None:
         self.results.append(step)
