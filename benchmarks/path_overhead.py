@@ -28,7 +28,8 @@ def main(arguments: list[str]) -> None:
         top = m.select(boundary="top")
         m.add(kg.Fix(m.select(boundary="bottom")), kg.Fix(top, "xz"), kg.Prescribe(top, y=1e-4))
         system, still = kg.System(m), 0.0 * m.positions()
-        system.linearize(still, still)  # compiles the loops, or loads them: once per machine
+        # Compiles the loops, or loads them: once per machine.
+        system.stiffness_blocks(still, 0.0, kg.Tangent(ahead=(still, still)))
         system.largest_rotation(still)
         system.stiffness()
         system.forces(still, 0.0)

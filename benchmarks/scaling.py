@@ -75,7 +75,7 @@ def measure_parts(m: Any, timed: Callable[..., Any]) -> dict[str, Any]:
     timed("ordering", lambda: solver.factorize(matrix))
     factor = timed("factorization", lambda: solver.factorize(matrix), 3)
     timed("solve", lambda: factor.solve(np.ones(system.free)), 3)
-    compiled = " compiled" if any(system.compiled) else ""
+    compiled = " compiled" if any(system.twins) else ""
     return {"nodes": len(m.nodes), "unknowns": system.free, "solver": factor.backend + compiled}
 
 

@@ -25,8 +25,9 @@ import shapely
 from numpy.typing import NDArray
 
 import kirigami as kg
-from kirigami.effects.contact import Contact, Plane, normal_forces, penetration
+from kirigami.effects.contact import Contact, Plane
 from kirigami.post.friction import friction_coefficient
+from kirigami.results.contact import normal_forces, penetration
 
 # ---- Chosen: lengths in mm, forces in N
 WIDTH, LENGTH, GRIP = 51.0, 140.0, 3.5  # developed sheet, and what is held of it at either end

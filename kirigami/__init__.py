@@ -8,7 +8,10 @@ from __future__ import annotations
 import importlib
 from typing import TYPE_CHECKING, Any
 
-__version__ = "0.1.0"
+from kirigami.moved import install as _install_old_modules
+from kirigami.version import __version__ as __version__
+
+_install_old_modules()
 
 _HOME = {
     "Material": "primitives.material",
@@ -28,6 +31,13 @@ _HOME = {
     "System": "system.system",
     "Kernel": "primitives.kernel",
     "Contribution": "primitives.kernel",
+    "Tangent": "primitives.kernel",
+    "ModelObject": "primitives.parts",
+    "Numbering": "primitives.parts",
+    "Contact": "effects.contact",
+    "Plane": "effects.contact",
+    "Cylinder": "effects.contact",
+    "Sphere": "effects.contact",
     "check_kernel": "primitives.check_kernel",
     "Sheet": "geometry.sheet",
     "TriMesh": "geometry.mesh",
@@ -79,6 +89,10 @@ if TYPE_CHECKING:
     from kirigami.analysis.path.methods import DisplacementControl as DisplacementControl
     from kirigami.analysis.path.methods import LoadControl as LoadControl
     from kirigami.effects.angle_limit import AngleLimit as AngleLimit
+    from kirigami.effects.contact import Contact as Contact
+    from kirigami.effects.contact import Cylinder as Cylinder
+    from kirigami.effects.contact import Plane as Plane
+    from kirigami.effects.contact import Sphere as Sphere
     from kirigami.elements import stiffness as stiffness
     from kirigami.elements.bar import Bar as Bar
     from kirigami.elements.bend_hinge import BendHinge as BendHinge
@@ -110,8 +124,11 @@ if TYPE_CHECKING:
     from kirigami.primitives.check_kernel import check_kernel as check_kernel
     from kirigami.primitives.kernel import Contribution as Contribution
     from kirigami.primitives.kernel import Kernel as Kernel
+    from kirigami.primitives.kernel import Tangent as Tangent
     from kirigami.primitives.material import Material as Material
     from kirigami.primitives.node import Node as Node
+    from kirigami.primitives.parts import ModelObject as ModelObject
+    from kirigami.primitives.parts import Numbering as Numbering
     from kirigami.results.archive import load as load
     from kirigami.results.results import Results as Results
     from kirigami.results.step import Event as Event

@@ -3,10 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
-
-if TYPE_CHECKING:
-    from kirigami.results.results import Results
+from typing import Any
 
 
 class KirigamiError(Exception):
@@ -96,7 +93,7 @@ class AnalysisError(KirigamiError):
     no results file at no such file
     """
 
-    def __init__(self, message: str, *, results: Results | None = None) -> None:
+    def __init__(self, message: str, *, results: Any = None) -> None:
         super().__init__(message)
         self.results = results
 
@@ -133,7 +130,7 @@ class ConvergenceError(AnalysisError):
         self,
         message: str,
         *,
-        results: Results | None = None,
+        results: Any = None,
         history: Sequence[float] = (),
         worst_nodes: Sequence[int] = (),
         hint: str = "",

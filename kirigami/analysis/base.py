@@ -125,7 +125,6 @@ class Run:
     def finish(self) -> Results:
         """The results, once all is in them."""
         self.count_seconds()
-        self.system.linearize(None)
         return self.results
 
 
@@ -133,6 +132,6 @@ def require_drive(system: System, owner: str, constant_counts: bool = False) -> 
     """Raise a ModelError where nothing acts on the structure."""
     if system.drive.any() or any(kernel.scaled for kernel in system.kernels):
         return
-    if constant_counts and (system.held.any() or any(kernel.pairs == () for kernel in system.kernels)):
+    if constant_counts and (system.held.any() or not all(kernel.stores_energy for kernel in system.kernels)):
         return
     raise ModelError(f"{owner}: nothing drives the model; add a NodalLoad, or a Prescribe with a value other than zero")

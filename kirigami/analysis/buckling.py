@@ -11,7 +11,7 @@ from kirigami.analysis.modes import Modes, nodal_shape
 from kirigami.errors import AnalysisError, ModelError
 from kirigami.linalg import Factor
 from kirigami.model.model import Model
-from kirigami.primitives.kernel import Array
+from kirigami.primitives.kernel import Array, Tangent
 
 
 class Buckling(Analysis):
@@ -74,9 +74,8 @@ class Buckling(Analysis):
             rate = factor.solve(-system.load_rate(rest, 0.0, blocks))
         matrices = []
         for lam in (0.0, 1.0):
-            system.linearize(rest, system.displacement(constant + lam * rate, lam))
-            matrices.append(system.matrix(system.stiffness_blocks(rest, lam)))
-        system.linearize(None)
+            ahead = Tangent(ahead=(rest, system.displacement(constant + lam * rate, lam)))
+            matrices.append(system.matrix(system.stiffness_blocks(rest, lam, ahead)))
         stiffness = matrices[0]
         geometric = (matrices[1] - stiffness).tocsc()
         factor = run.factorize(stiffness)

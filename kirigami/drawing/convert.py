@@ -11,6 +11,8 @@ from typing import Any
 
 from kirigami.drawing.drawing import Drawing
 from kirigami.errors import GeometryError
+from kirigami.geometry.sheet import Sheet
+from kirigami.primitives.material import Material
 
 FORMATS = {".dxf": "dxf", ".svg": "svg", ".geojson": "geojson", ".json": "geojson", ".fold": "fold"}
 
@@ -81,3 +83,141 @@ def _of_format(verb: str, path: str | os.PathLike[str]) -> Callable[..., Any]:
         raise GeometryError(f"{path}: drawings end in {', '.join(FORMATS)}")
     found: Callable[..., Any] = getattr(importlib.import_module(f"kirigami.drawing.{name}"), f"{verb}_{name}")
     return found
+
+
+def sheet_from_dxf(
+    path: str | os.PathLike[str], thickness: float | None = None, material: Material | None = None, **options: Any
+) -> Sheet:
+    """Read a sheet from a DXF drawing of any version.
+
+    Parameters
+    ----------
+    path : path
+        The file.
+    thickness : float, optional
+        Thickness, in the unit of the sheet [m].
+    material : Material, optional
+        Of the sheet.
+    **options
+        Of :func:`kirigami.drawing.dxf.read_dxf`: layers of outline, cuts and folds, units, tolerances.
+
+    Raises
+    ------
+    GeometryError
+        The drawing cannot be read, or has no closed outline.
+    KirigamiError
+        ezdxf is not installed.
+
+    Examples
+    --------
+    >>> import kirigami as kg, pathlib, shapely, tempfile
+    >>> path = pathlib.Path(tempfile.mkdtemp()) / "plate.dxf"
+    >>> file = kg.Sheet(shapely.box(0, 0, 0.2, 0.1), [[(0.05, 0.05), (0.15, 0.05)]]).to_dxf(path)
+    >>> kg.Sheet.from_dxf(file, thickness=1e-4, cuts="CUTS")
+    Sheet(0.2 x 0.1, area 0.02, 1 slit, 0 openings)
+    """
+    from kirigami.drawing.dxf import read_dxf
+
+    return read_dxf(path, **options).sheet(thickness, material)
+
+
+def sheet_from_svg(
+    path: str | os.PathLike[str], thickness: float | None = None, material: Material | None = None, **options: Any
+) -> Sheet:
+    """Read a sheet from an SVG drawing.
+
+    Parameters
+    ----------
+    path : path
+        The file.
+    thickness : float, optional
+        Thickness, in the unit of the sheet [m].
+    material : Material, optional
+        Of the sheet.
+    **options
+        Of :func:`kirigami.drawing.svg.read_svg`: layers or colours of outline, cuts and folds, units, tolerances.
+
+    Raises
+    ------
+    GeometryError
+        The drawing cannot be read, or has no closed outline.
+    KirigamiError
+        svgelements is not installed.
+
+    Examples
+    --------
+    >>> import kirigami as kg, pathlib, shapely, tempfile
+    >>> path = pathlib.Path(tempfile.mkdtemp()) / "plate.svg"
+    >>> file = kg.Sheet(shapely.box(0, 0, 0.2, 0.1), [[(0.05, 0.05), (0.15, 0.05)]]).to_svg(path)
+    >>> kg.Sheet.from_svg(file, cuts="red")
+    Sheet(0.2 x 0.1, area 0.02, 1 slit, 0 openings)
+    """
+    from kirigami.drawing.svg import read_svg
+
+    return read_svg(path, **options).sheet(thickness, material)
+
+
+def sheet_from_geojson(
+    path: str | os.PathLike[str], thickness: float | None = None, material: Material | None = None, **options: Any
+) -> Sheet:
+    """Read a sheet from GeoJSON features or geometries.
+
+    Parameters
+    ----------
+    path : path
+        The file.
+    thickness : float, optional
+        Thickness, in the unit of the sheet [m].
+    material : Material, optional
+        Of the sheet.
+    **options
+        Of :func:`kirigami.drawing.geojson.read_geojson`: roles of the features, units, tolerance.
+
+    Raises
+    ------
+    GeometryError
+        The file cannot be read, or has no closed outline.
+
+    Examples
+    --------
+    >>> import kirigami as kg, pathlib, shapely, tempfile
+    >>> file = kg.Sheet(shapely.box(0, 0, 2, 1)).to_geojson(pathlib.Path(tempfile.mkdtemp()) / "plate.geojson")
+    >>> kg.Sheet.from_geojson(file)
+    Sheet(2 x 1, area 2, 0 slits, 0 openings)
+    """
+    from kirigami.drawing.geojson import read_geojson
+
+    return read_geojson(path, **options).sheet(thickness, material)
+
+
+def sheet_from_fold(
+    path: str | os.PathLike[str], thickness: float | None = None, material: Material | None = None, **options: Any
+) -> Sheet:
+    """Read a sheet from the crease pattern of a FOLD file.
+
+    Parameters
+    ----------
+    path : path
+        The file.
+    thickness : float, optional
+        Thickness, in the unit of the sheet [m].
+    material : Material, optional
+        Of the sheet.
+    **options
+        Of :func:`kirigami.drawing.fold.read_fold`: which creases are folds, units, tolerance.
+
+    Raises
+    ------
+    GeometryError
+        The file cannot be read, or has no outline.
+
+    Examples
+    --------
+    >>> import kirigami as kg, pathlib, shapely, tempfile
+    >>> plate = kg.Sheet(shapely.box(0, 0, 2, 1), [[(0.5, 0.5), (1.5, 0.5)]])
+    >>> kg.Sheet.from_fold(plate.to_fold(pathlib.Path(tempfile.mkdtemp()) / "plate.fold"))
+    Sheet(2 x 1, area 2, 1 slit, 0 openings)
+    """
+    from kirigami.drawing.fold import read_fold
+
+    return read_fold(path, **options).sheet(thickness, material)

@@ -12,12 +12,12 @@ from typing import Any
 
 import numpy as np
 import shapely
+from numpy.typing import ArrayLike
 
 from kirigami.drawing.drawing import Curve, Drawing, Names, Roles, assemble, layered, scale_of, scaled
 from kirigami.errors import GeometryError
 from kirigami.files import read_json, whole_file
 from kirigami.geometry.mesh import TriMesh
-from kirigami.results.results import Results
 
 ROLES = {"B": "outline", "C": "cut", "M": "mountain fold", "V": "valley fold", "U": "fold"}  # F, J: no line to act on
 LETTERS = {"OUTLINE": "B", "CUTS": "C", "FOLDS": "U"}
@@ -93,17 +93,22 @@ def read_fold(
 
 
 def write_fold(
-    item: Any, path: str | os.PathLike[str], *, unit: str = "m", folds: Iterable[Any] = (), step: int = -1
+    item: Any,
+    path: str | os.PathLike[str],
+    *,
+    unit: str = "m",
+    folds: Iterable[Any] = (),
+    positions: ArrayLike | None = None,
 ) -> Path:
-    """Write a sheet as a crease pattern, or a mesh or results as facets with their fold angles.
+    """Write a sheet as a crease pattern, or a mesh as facets with their fold angles.
 
-    A sheet gives vertices and edges: B outline, C cuts, U folds, split where they cross. A mesh or results give facets
+    A sheet gives vertices and edges: B outline, C cuts, U folds, split where they cross. A mesh gives facets
     as well; the lips of cuts are B, inner edges F where flat, else M or V with ``edges_foldAngle`` in degrees, and the
     vertices are those of the deformed sheet.
 
     Parameters
     ----------
-    item : Sheet, Drawing, TriMesh or Results
+    item : Sheet, Drawing or TriMesh
         What to write.
     path : path
         The file.
@@ -111,13 +116,11 @@ def write_fold(
         Unit of length of the coordinates; noted in the file where the format knows it.
     folds : iterable of LineString
         Of a sheet: lines to be folded and not cut.
-    step : int
-        Of results: which step.
+    positions : array_like, shape (n, 3), optional
+        Of a mesh: where its nodes are now; None is where they were drawn.
 
     Raises
     ------
-    GeometryError
-        Results without a mesh.
     KirigamiError
         The file cannot be written.
 
@@ -129,12 +132,8 @@ def write_fold(
     >>> json.loads(file.read_text())["edges_assignment"]
     ['B', 'F', 'B', 'B', 'B']
     """
-    if isinstance(item, Results):
-        if item.mesh is None:
-            raise GeometryError("only results of a model made by Model.from_mesh have facets to write")
-        frame = _facets(item.mesh, item.position()[step])
-    elif isinstance(item, TriMesh):
-        frame = _facets(item, item.nodes)
+    if isinstance(item, TriMesh):
+        frame = _facets(item, item.nodes if positions is None else np.asarray(positions, dtype=float))
     else:
         frame = _pattern(item, folds)
     head: dict[str, Any] = {"file_spec": 1.2, "file_creator": "kirigami", "frame_classes": [frame.pop("class")]}

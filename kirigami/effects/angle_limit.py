@@ -22,7 +22,7 @@ from kirigami.elements.angle import TURN
 from kirigami.elements.torsion_spring import TorsionSpring3, TorsionSpring3Kernel
 from kirigami.errors import ModelError
 from kirigami.primitives.checks import require_finite, require_positive
-from kirigami.primitives.kernel import Array, Contribution, Kernel
+from kirigami.primitives.kernel import EXACT, Array, Contribution, Kernel, Tangent
 from kirigami.primitives.node import Node
 from kirigami.primitives.parts import ModelObject, Numbering
 
@@ -127,6 +127,7 @@ class AngleLimitKernel(Kernel):
     """All angle limits; see the module's text for the law. Local nodes: i, j, k."""
 
     name = "angle limits"
+    approximates = True
     pairs = TorsionSpring3Kernel.pairs
 
     def __init__(
@@ -184,13 +185,12 @@ class AngleLimitKernel(Kernel):
         """Moment (n,), negative where a minimum pushes the joint open."""
         return self._law(angle)[1]
 
-    def evaluate(self, x: Array, lam: float = 1.0, need: int = 2) -> Contribution:
+    def evaluate(self, x: Array, lam: float = 1.0, need: int = 2, tangent: Tangent = EXACT) -> Contribution:
         angle = self.deformation(x)
-        energy, moment, tangent = self._law(angle)
+        energy, moment, stiffness = self._law(angle)
         if need == 0:
             return Contribution(energy)
         # At one configuration the limit is a spring of the stiffness and moment that the law has there.
-        self._spring.convexity = self.convexity
-        self._spring.stiffness = tangent
-        self._spring.rest_angle = angle - moment / np.where(tangent > 0, tangent, 1.0)
-        return self._spring.evaluate(x, lam, need)._replace(energy=energy)
+        self._spring.stiffness = stiffness
+        self._spring.rest_angle = angle - moment / np.where(stiffness > 0, stiffness, 1.0)
+        return self._spring.evaluate(x, lam, need, tangent)._replace(energy=energy)

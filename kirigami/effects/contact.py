@@ -25,23 +25,19 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from kirigami.elements.bar import Bar
 from kirigami.errors import ModelError
 from kirigami.primitives.checks import require_finite, require_positive
-from kirigami.primitives.kernel import Array, Configuration, Contribution, Kernel
+from kirigami.primitives.kernel import EXACT, Array, Contribution, Kernel, Tangent
 from kirigami.primitives.node import Node, listed
 from kirigami.primitives.parts import ModelObject, Numbering
 
-if TYPE_CHECKING:
-    from kirigami.results.results import Results
-
-STIFFER = 100.0  # default stiffness over that of the stiffest bar at the node
-LAYER = 1e-3  # default layer over the median length of the bars at the nodes
+STIFFER = 100.0  # default stiffness over the largest that an element gives the node at rest
+LAYER = 1e-3  # default layer over the median distance of the nodes from their neighbours
 TOUCHING = 1e-9  # of the size of the model: distance at rest that counts as zero
 
 
@@ -188,7 +184,8 @@ class Contact(ModelObject):
     A rod is pushed against a wall that is 0.1 away, and then by 0.01 more:
 
     >>> import kirigami as kg
-    >>> from kirigami.effects.contact import Contact, Plane, normal_forces, penetration
+    >>> from kirigami.effects.contact import Contact, Plane
+    >>> from kirigami.results.contact import normal_forces, penetration
     >>> m = kg.Model(dim=2)
     >>> a, b = m.add(kg.Node(0, 0), kg.Node(1, 0))
     >>> objects = m.add(kg.Bar(a, b, EA=10.0), kg.Fix([a, b], "y"), kg.Prescribe(a, x=0.11))
@@ -246,11 +243,10 @@ class Contact(ModelObject):
         inside = np.flatnonzero(gap < -TOUCHING * numbering.size)
         if inside.size:
             worst = int(inside[np.argmin(gap[inside])])
-            node = numbering.model.nodes[int(conn[worst, 0])]
             raise ModelError(
                 f"{inside.size} node(s) of Contact lie inside the surface at rest, the deepest "
-                f"{numbering.describe(node)} by {-gap[worst]:.6g} below {objects[int(members[worst])].surface} and its "
-                "offset: move the surface away"
+                f"{numbering.describe(int(conn[worst, 0]))} by {-gap[worst]:.6g} below "
+                f"{objects[int(members[worst])].surface} and its offset: move the surface away"
             )
         return [kernel]
 
@@ -277,29 +273,23 @@ def _shape(surface: Plane | Cylinder | Sphere, dim: int) -> tuple[Array, Array, 
 def _scales(
     objects: Sequence[Contact], nodes: NDArray[np.int64], members: NDArray[np.int64], numbering: Numbering
 ) -> tuple[Array, Array]:
-    """Stiffness and layer of each member (n,), those that are left out from the bars at the nodes."""
+    """Stiffness and layer of each member (n,), those that are left out from the elements at the nodes."""
     stiffness = np.array([np.nan if item.stiffness is None else item.stiffness for item in objects])[members]
     layer = np.array([np.nan if item.layer is None else item.layer for item in objects])[members]
     if not (np.isnan(stiffness).any() or np.isnan(layer).any()):
         return stiffness, layer
-    bars = [item for item in numbering.model.elements if isinstance(item, Bar)]
-    ends = numbering.connectivity(bars)
-    length = np.linalg.norm(numbering.rest[ends[:, 1]] - numbering.rest[ends[:, 0]], axis=1)
-    stiffest = np.zeros(len(numbering.rest))
-    with np.errstate(divide="ignore"):
-        for end in ends.T:
-            np.maximum.at(stiffest, end, np.array([bar.EA for bar in bars]) / length)
-    stiffness = np.where(np.isnan(stiffness), STIFFER * stiffest[nodes], stiffness)
+    at_nodes = numbering.rest_stiffness()[nodes]
+    stiffness = np.where(np.isnan(stiffness), STIFFER * at_nodes, stiffness)
     bare = np.flatnonzero(stiffness == 0)
     if bare.size:
-        node = numbering.model.nodes[int(nodes[bare[0]])]
-        raise ModelError(f"Contact: {numbering.describe(node)} has no bar to take a stiffness from: give stiffness=")
+        first = numbering.describe(int(nodes[bare[0]]))
+        raise ModelError(f"Contact: no element gives {first} a stiffness to take the default from: give stiffness=")
+    spacing = numbering.rest_spacing()[nodes]
     for number in np.unique(members[np.isnan(layer)]):
         own = members == number
-        at_nodes = np.isin(ends, nodes[own]).any(axis=1)
-        if not at_nodes.any():
-            raise ModelError(f"{objects[int(number)]!r}: the nodes have no bars to take a layer from: give layer=")
-        layer[own] = LAYER * float(np.median(length[at_nodes]))
+        if not np.isfinite(spacing[own]).any():
+            raise ModelError(f"{objects[int(number)]!r}: no element joins the nodes to others: give layer=")
+        layer[own] = LAYER * float(np.nanmedian(spacing[own]))
     return stiffness, layer
 
 
@@ -310,6 +300,7 @@ class ContactKernel(Kernel):
     """
 
     name = "contact"
+    approximates = True
 
     def __init__(
         self,
@@ -365,9 +356,9 @@ class ContactKernel(Kernel):
         """Force that pushes each node off its surface (n,)."""
         return self._law(gap)[1]
 
-    def evaluate(self, x: Array, lam: float = 1.0, need: int = 2) -> Contribution:
+    def evaluate(self, x: Array, lam: float = 1.0, need: int = 2, tangent: Tangent = EXACT) -> Contribution:
         gap, direction, inverse = self._distance(x)
-        energy, force, tangent = self._law(gap)
+        energy, force, stiffness = self._law(gap)
         if need == 0:
             return Contribution(energy)
         gradient = -force[:, None] * direction
@@ -375,93 +366,6 @@ class ContactKernel(Kernel):
             return Contribution(energy, gradient[:, None])
         outer = direction[:, :, None] * direction[:, None, :]
         # The force turns with the node round a curved surface, which makes a pressed node unstable sideways.
-        turning = (1 - self.convexity) * force * inverse
-        hessian = tangent[:, None, None] * outer - turning[:, None, None] * (self.projector - outer)
+        turning = (1 - tangent.convexity) * force * inverse
+        hessian = stiffness[:, None, None] * outer - turning[:, None, None] * (self.projector - outer)
         return Contribution(energy, gradient[:, None], hessian[:, None, None])
-
-
-# ---- what came of it
-
-
-def gaps(results: Results, contact: Contact | None = None) -> Array:
-    """Distance of the nodes from their surfaces at each step, less the offset; negative inside.
-
-    Parameters
-    ----------
-    results : Results
-        Of a model with contacts.
-    contact : Contact, optional
-        One of them; None takes all, in the order added and node by node.
-
-    Returns
-    -------
-    ndarray, shape (s, nodes)
-        Distance [length].
-
-    Raises
-    ------
-    ModelError
-        The model has no contact, or not this one.
-    """
-    return _over_steps(results, contact, lambda kernel, x: kernel.deformation(x))
-
-
-def normal_forces(results: Results, contact: Contact | None = None) -> Array:
-    """Force that pushes each node off its surface, along the normal of the surface there.
-
-    Parameters
-    ----------
-    results : Results
-        Of a model with contacts.
-    contact : Contact, optional
-        One of them; None takes all, in the order added and node by node.
-
-    Returns
-    -------
-    ndarray, shape (s, nodes)
-        Force, never negative [force].
-
-    Raises
-    ------
-    ModelError
-        The model has no contact, or not this one.
-    """
-    return _over_steps(results, contact, lambda kernel, x: kernel.force(kernel.deformation(x)))
-
-
-def penetration(results: Results, contact: Contact | None = None) -> Array:
-    """Depth of the deepest node inside its surface at each step (s,) [length]; zero where none is inside.
-
-    Parameters
-    ----------
-    results : Results
-        Of a model with contacts.
-    contact : Contact, optional
-        One of them; None takes all.
-
-    Raises
-    ------
-    ModelError
-        The model has no contact, or not this one.
-    """
-    depth: Array = np.maximum(-gaps(results, contact), 0.0).max(axis=1)
-    return depth
-
-
-def _over_steps(results: Results, contact: Contact | None, quantity: Any) -> Array:
-    kernel = next((kernel for kernel in results.kernels if isinstance(kernel, ContactKernel)), None)
-    if kernel is None:
-        raise ModelError("these results have no Contact: add one to the model")
-    chosen: Any = slice(None)
-    if contact is not None:
-        if results.model is None:
-            raise ModelError("these results were loaded from a file: leave `contact` out to get all of them")
-        present = [item for item in results.model.effects if isinstance(item, Contact)]
-        number = next((k for k, item in enumerate(present) if item is contact), None)
-        if number is None:
-            raise ModelError(f"{contact!r} is not in the model of these results")
-        assert kernel.members is not None
-        chosen = np.flatnonzero(kernel.members == number)
-    dim = results.dim
-    positions = (Configuration(results.rest[:, :dim], step.u[:, :dim]) for step in results.steps)
-    return np.array([quantity(kernel, x)[chosen] for x in positions])

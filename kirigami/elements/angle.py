@@ -18,6 +18,7 @@ class AngleKernel(Kernel):
     The angle is unwrapped against the last committed state, so it may pass any number of turns.
     """
 
+    approximates = True
     stiffness: Array
     rest_angle: Array
     _initial: Array

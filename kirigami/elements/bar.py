@@ -24,7 +24,7 @@ from numpy.typing import NDArray
 
 from kirigami.errors import ModelError
 from kirigami.primitives.checks import require_positive
-from kirigami.primitives.kernel import Array, Contribution, Kernel, displacement_of
+from kirigami.primitives.kernel import EXACT, Array, CompiledKernel, Contribution, Kernel, Tangent, displacement_of
 from kirigami.primitives.node import Node
 from kirigami.primitives.parts import ModelObject, Numbering
 
@@ -134,6 +134,7 @@ class BarKernel(Kernel):
     pairs = ((0, 1),)
     translation_invariant = True
     measures_displacement = True
+    approximates = True
 
     def __init__(
         self,
@@ -150,7 +151,6 @@ class BarKernel(Kernel):
         self._rest_vector = self._between(rest)
         distance = np.sqrt((self._rest_vector**2).sum(axis=0))
         self._rest_strain = (distance - rest_length) * (distance + rest_length) / (2 * rest_length**2)
-        self._stress_ahead: Array | None = None
 
     def arrays(self) -> dict[str, Any]:
         return {name: getattr(self, name) for name in ("conn", "EA", "rest_length", "strain", "law", "members")}
@@ -205,17 +205,22 @@ class BarKernel(Kernel):
             return stress * np.sqrt(np.maximum(1 + 2 * strain, 0.0))
         return stress
 
-    def linearize(self, x: Array, change: Array | None) -> None:
-        if change is None:
-            self._stress_ahead = None
-            return
+    def _stress_ahead(self, x: Array, change: Array) -> Array:
+        """Stress over EA (n,) after a linear step `change` off `x`."""
         vector, green, length = self._vectors(x)
-        _, stress, tangent = self._law(self._strain(green, length))
-        self._stress_ahead = stress + tangent * self._rate(vector, length, change)
+        _, stress, slope = self._law(self._strain(green, length))
+        return stress + slope * self._rate(vector, length, change)
 
-    def evaluate(self, x: Array, lam: float = 1.0, need: int = 2) -> Contribution:
+    def compiled(self) -> CompiledKernel | None:
+        if self.strain != "green" or self.law != "linear" or self.rest.shape[1] != 3:
+            return None
+        from kirigami.elements.compiled import CompiledBars
+
+        return CompiledBars(self)
+
+    def evaluate(self, x: Array, lam: float = 1.0, need: int = 2, tangent: Tangent = EXACT) -> Contribution:
         vector, green, length = self._vectors(x)
-        energy, stress, tangent = self._law(self._strain(green, length))
+        energy, stress, slope = self._law(self._strain(green, length))
         L = self.rest_length
         energy = self.EA * L * energy
         if need == 0:
@@ -228,12 +233,12 @@ class BarKernel(Kernel):
         gradient[:, 0], gradient[:, 1] = -pull, pull
         if need == 1:
             return Contribution(energy, gradient.transpose(2, 1, 0))
-        if self._stress_ahead is not None:
-            stress = self._stress_ahead
-        if self.convexity:  # compression is what makes a bar's Hessian indefinite
-            stress = stress - self.convexity * np.minimum(stress, 0.0)
+        if tangent.ahead is not None:
+            stress = self._stress_ahead(*tangent.ahead)
+        if tangent.convexity:  # compression is what makes a bar's Hessian indefinite
+            stress = stress - tangent.convexity * np.minimum(stress, 0.0)
         geometric = self.EA * stress / base
-        along = self.EA * tangent / (L * base**2)
+        along = self.EA * slope / (L * base**2)
         if self.strain == "engineering":  # the direction of the pull turns with the bar
             along = along - geometric / length**2
         hessian = np.empty((dim, dim, 1, n))

@@ -31,7 +31,7 @@ from numpy.typing import NDArray
 from kirigami.elements.angle import AngleKernel
 from kirigami.errors import ModelError
 from kirigami.primitives.checks import require_finite, require_positive
-from kirigami.primitives.kernel import Array, Contribution, Kernel, displacement_of
+from kirigami.primitives.kernel import EXACT, Array, CompiledKernel, Contribution, Kernel, Tangent, displacement_of
 from kirigami.primitives.node import Node
 from kirigami.primitives.parts import ModelObject, Numbering
 
@@ -207,7 +207,12 @@ class BendHingeKernel(AngleKernel):
         np.negative(gradient[:, 1], out=gradient[:, 1])
         return wings, gradient
 
-    def evaluate(self, x: Array, lam: float = 1.0, need: int = 2) -> Contribution:
+    def compiled(self) -> CompiledKernel | None:
+        from kirigami.elements.compiled import CompiledHinges
+
+        return CompiledHinges(self)
+
+    def evaluate(self, x: Array, lam: float = 1.0, need: int = 2, tangent: Tangent = EXACT) -> Contribution:
         vectors = self.vectors(x)
         excess = self.unwrap(self.raw_angle(*vectors)) - self.rest_angle
         moment = self.stiffness * excess
@@ -219,7 +224,7 @@ class BendHingeKernel(AngleKernel):
         if need == 1:
             return Contribution(energy, gradient)
         hessian = np.empty((3, 3, len(self.pairs), len(energy)))
-        moment = (1 - self.convexity) * moment
+        moment = (1 - tangent.convexity) * moment
         for start in range(0, len(energy), AT_ONCE):
             some = slice(start, start + AT_ONCE)
             self.second_derivatives(

@@ -16,19 +16,27 @@ from numpy.typing import NDArray
 from kirigami.elements.bend_hinge import BendHingeKernel
 from kirigami.elements.stiffness import hinge_stiffness
 from kirigami.errors import ModelError
-from kirigami.primitives.kernel import Array, Configuration, Contribution, Kernel, displacement_of, full_hessian
+from kirigami.primitives.kernel import (
+    EXACT,
+    Array,
+    Configuration,
+    Contribution,
+    Kernel,
+    Tangent,
+    displacement_of,
+    full_hessian,
+)
 from kirigami.primitives.node import Node
 from kirigami.primitives.parts import Numbering
 
 
 def clamp_kernels(groups: Sequence[Sequence[Node]], numbering: Numbering) -> list[Kernel]:
     """Hinges that keep the slope of boundary edges whose two nodes lie in one of the groups."""
-    model = numbering.model
-    if model.mesh is None or model.sheet_constants is None:
+    mesh, constants = numbering.mesh, numbering.sheet
+    if mesh is None or constants is None:
         raise ModelError("clamp=True needs a model made by Model.from_mesh: other models have no facets to clamp")
-    if len(model.normals[0]):
+    if len(numbering.normals[0]):
         return []  # clamped nodes hold their normals, which is done by elimination
-    mesh, constants = model.mesh, model.sheet_constants
     rigidity = hinge_stiffness(mesh, constants.thickness, constants.material.E, constants.calibration.c)
     boundary = np.flatnonzero(mesh.edge_facets[:, 1] < 0)
     chosen: set[int] = set()
@@ -48,6 +56,7 @@ class ClampHingeKernel(Kernel):
 
     name = "clamps"
     anchored = True
+    approximates = True
 
     def __init__(
         self, rest: Array, conn: NDArray[np.int64], stiffness: Array, members: NDArray[np.int64] | None = None
@@ -89,9 +98,8 @@ class ClampHingeKernel(Kernel):
         """Rotation of each clamped facet (n,) [rad]."""
         return self._hinge.deformation(self._points(x))
 
-    def evaluate(self, x: Array, lam: float = 1.0, need: int = 2) -> Contribution:
-        self._hinge.convexity = self.convexity
-        part = self._hinge.evaluate(self._points(x), lam, need)
+    def evaluate(self, x: Array, lam: float = 1.0, need: int = 2, tangent: Tangent = EXACT) -> Contribution:
+        part = self._hinge.evaluate(self._points(x), lam, need, tangent)
         if part.gradient is None:
             return part
         gradient = part.gradient[:, :3].copy()

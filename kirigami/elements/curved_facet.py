@@ -46,7 +46,7 @@ from kirigami.elements.triangle import (
 from kirigami.errors import ModelError
 from kirigami.geometry.normals import Normal
 from kirigami.primitives.checks import require_positive
-from kirigami.primitives.kernel import Array, Contribution, Kernel, displacement_of
+from kirigami.primitives.kernel import EXACT, Array, Contribution, Kernel, Tangent, displacement_of
 from kirigami.primitives.material import Material
 from kirigami.primitives.node import Node
 from kirigami.primitives.parts import ModelObject, Numbering
@@ -161,6 +161,7 @@ class CurvedFacetKernel(Kernel):
     """All curved facets; see the module's text for the formulas. Local nodes: three corners, three tips of normals."""
 
     name = "facets"
+    approximates = True
 
     def __init__(
         self,
@@ -188,7 +189,6 @@ class CurvedFacetKernel(Kernel):
         directions = self._rest_tips / self.tip_length[..., None]
         self._rest_slopes = np.einsum("nsa,nsa->ns", directions[:, CORNER_OF_SLOPE], self._rest_edges[:, EDGE_OF_SLOPE])
         self._rest_hidden = self._hidden(self._rest_slopes)[0]
-        self._force_ahead: Array | None = None
 
     def arrays(self) -> dict[str, Any]:
         return {name: getattr(self, name) for name in ("conn", "thickness", "E", "nu", "members")}
@@ -234,18 +234,16 @@ class CurvedFacetKernel(Kernel):
             row[:, corner] -= turn
         return chain, across
 
-    def linearize(self, x: Array, change: Array | None) -> None:
-        if change is None:
-            self._force_ahead = None
-            return
+    def _force_ahead(self, x: Array, change: Array) -> Array:
+        """Derivatives of the membrane energy by the edge strains (n, 3) after a linear step `change` off `x`."""
         edges, normals, stretch, strain, slopes = self._state(x)
         chain, _ = self._chain(edges, normals, stretch)
         rates = np.einsum("nzka,nka->nz", chain, change[self.conn])
         hidden_rate = (self._hidden(slopes)[1] * rates[:, 3:]).reshape(-1, 3, 2).sum(axis=2)
         ahead = strain + (rates[:, :3] + hidden_rate) / self._square
-        self._force_ahead = np.einsum("ncd,nd->nc", self._membrane, ahead)
+        return np.asarray(np.einsum("ncd,nd->nc", self._membrane, ahead))
 
-    def evaluate(self, x: Array, lam: float = 1.0, need: int = 2) -> Contribution:
+    def evaluate(self, x: Array, lam: float = 1.0, need: int = 2, tangent: Tangent = EXACT) -> Contribution:
         edges, normals, stretch, strain, slopes = self._state(x)
         force = np.einsum("ncd,nd->nc", self._membrane, strain)
         bent = slopes - self._rest_slopes
@@ -265,16 +263,19 @@ class CurvedFacetKernel(Kernel):
         gradient[:, :3] -= keep
         if need == 1:
             return Contribution(energy, gradient)
+        if tangent.ahead is not None:
+            force = self._force_ahead(*tangent.ahead)
         state = (edges, normals, stretch, force, moment, spread, hidden, chain, across)
         hessian = np.empty((len(energy), 6, 6, 3, 3))
         for start in range(0, len(energy), CHUNK):
             part = slice(start, start + CHUNK)
-            hessian[part] = self._hessian(part, *(values[part] for values in state))
+            hessian[part] = self._hessian(part, tangent.convexity, *(values[part] for values in state))
         return Contribution(energy, gradient, hessian)
 
     def _hessian(
         self,
         part: slice,
+        convexity: float,
         edges: Array,
         normals: Array,
         stretch: Array,
@@ -286,13 +287,11 @@ class CurvedFacetKernel(Kernel):
         across: Array,
     ) -> Array:
         n = len(edges)
-        exact = 1.0 - self.convexity
-        if self._force_ahead is not None:
-            force = self._force_ahead[part]
+        exact = 1.0 - convexity
         tension = force
-        if self.convexity:
-            force = exact * force + self.convexity * without_compression(force, self._to_strain[part])
-            tension = exact * tension + self.convexity * np.maximum(force, 0.0)
+        if convexity:
+            force = exact * force + convexity * without_compression(force, self._to_strain[part])
+            tension = exact * tension + convexity * np.maximum(force, 0.0)
         square = self._square[part]
         pull = force / square
         # Second derivatives by the nine generalized strains. The hidden length acts through the slopes.

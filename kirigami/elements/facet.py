@@ -34,7 +34,7 @@ from kirigami.elements.triangle import (
 )
 from kirigami.errors import ModelError
 from kirigami.primitives.checks import require_positive
-from kirigami.primitives.kernel import Array, Contribution, Kernel, displacement_of, full_hessian
+from kirigami.primitives.kernel import EXACT, Array, Contribution, Kernel, Tangent, displacement_of, full_hessian
 from kirigami.primitives.material import Material
 from kirigami.primitives.node import Node
 from kirigami.primitives.parts import ModelObject, Numbering
@@ -121,6 +121,7 @@ class FacetKernel(Kernel):
     """
 
     name = "facets"
+    approximates = True
 
     def __init__(
         self,
@@ -142,7 +143,6 @@ class FacetKernel(Kernel):
         self._square = (flat**2).sum(axis=2)
         self._to_strain = strain_from_edges(flat)
         self._membrane = membrane_stiffness(self._to_strain, self.area, thickness, E, nu)
-        self._force_ahead: Array | None = None
         self.hinge_facet, self.hinge_edge = np.nonzero(bends & (dim == 3))
         self._hinges: BendHingeKernel | None = None
         if self.hinge_facet.size:
@@ -215,15 +215,13 @@ class FacetKernel(Kernel):
             angles[self.hinge_facet, self.hinge_edge] = self._hinges.deformation(x) - self._hinges.rest_angle
         return angles
 
-    def linearize(self, x: Array, change: Array | None) -> None:
-        if change is None:
-            self._force_ahead = None
-            return
+    def _force_ahead(self, x: Array, change: Array) -> Array:
+        """Derivatives of the membrane energy by the edge strains (n, 3) after a linear step `change` off `x`."""
         edges, strain = self._stretch(x)
         rate = np.einsum("nca,nca->nc", edges, edge_vectors(change, self._given)) / self._square
-        self._force_ahead = np.einsum("ncd,nd->nc", self._membrane, strain + rate)
+        return np.asarray(np.einsum("ncd,nd->nc", self._membrane, strain + rate))
 
-    def evaluate(self, x: Array, lam: float = 1.0, need: int = 2) -> Contribution:
+    def evaluate(self, x: Array, lam: float = 1.0, need: int = 2, tangent: Tangent = EXACT) -> Contribution:
         edges, strain = self._stretch(x)
         n, dim = len(edges), edges.shape[2]
         nodes = self.conn.shape[1]
@@ -250,10 +248,10 @@ class FacetKernel(Kernel):
         gradient = np.einsum("nz,nzka->nka", generalized, chain)
         if need == 1:
             return Contribution(energy, gradient)
-        if self._force_ahead is not None:
-            force = self._force_ahead
-        if self.convexity:
-            force = force + self.convexity * (without_compression(force, self._to_strain) - force)
+        if tangent.ahead is not None:
+            force = self._force_ahead(*tangent.ahead)
+        if tangent.convexity:
+            force = force + tangent.convexity * (without_compression(force, self._to_strain) - force)
         pull = force / self._square
         inner = np.zeros((n, chain.shape[1], chain.shape[1]))
         inner[:, :3, :3] = self._membrane / (self._square[:, :, None] * self._square[:, None])
@@ -269,7 +267,7 @@ class FacetKernel(Kernel):
                 hessian[:, p, q] += sign * block
         if self._hinges is not None:
             curved = np.empty((3, 3, len(self._hinges.pairs), f.size))
-            bending = (1 - self.convexity) * moment[f, line]
+            bending = (1 - tangent.convexity) * moment[f, line]
             self._hinges.second_derivatives(curved, np.zeros(f.size), bending, vectors[0], wings, turn)
             found = Contribution(bending, turn.transpose(2, 1, 0), curved.transpose(3, 2, 0, 1))
             blocks = full_hessian(self._hinges, found)

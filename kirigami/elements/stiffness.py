@@ -27,6 +27,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from kirigami.deferred import deferred
 from kirigami.errors import ModelError
 from kirigami.primitives.checks import require_positive
 from kirigami.primitives.kernel import Array
@@ -34,7 +35,6 @@ from kirigami.primitives.material import Material
 
 if TYPE_CHECKING:
     from kirigami.geometry.mesh import TriMesh
-    from kirigami.study.effective import EffectiveProperties
 
 RUNGS = ("paper", "plate", "facet", "split")  # from cheap to accurate
 
@@ -107,16 +107,7 @@ def _facet_area_sum(mesh: TriMesh) -> Array:
     return total
 
 
-def report(
-    mesh: TriMesh,
-    thickness: float | None = None,
-    material: Material | None = None,
-    stiffness: str | Calibration = "plate",
-) -> EffectiveProperties:
-    """Elastic constants that a mesh represents; see :func:`kirigami.study.effective.report`."""
-    from kirigami.study.effective import report as computed
-
-    return computed(mesh, thickness, material, stiffness)
+report = deferred("kirigami.study.effective:report", static=True)
 
 
 def directional_bias(mesh: TriMesh) -> tuple[float, float]:

@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 from kirigami.elements.angle import TURN, AngleKernel
 from kirigami.errors import ModelError
 from kirigami.primitives.checks import require_finite, require_positive
-from kirigami.primitives.kernel import Array, Contribution, Kernel, displacement_of
+from kirigami.primitives.kernel import EXACT, Array, Contribution, Kernel, Tangent, displacement_of
 from kirigami.primitives.node import Node
 from kirigami.primitives.parts import ModelObject, Numbering
 
@@ -157,7 +157,7 @@ class TorsionSpring3Kernel(AngleKernel):
         at_i, at_k = _quarter_turn_over_square(a), -_quarter_turn_over_square(b)
         return np.stack([at_i, -at_i - at_k, at_k], axis=1)
 
-    def evaluate(self, x: Array, lam: float = 1.0, need: int = 2) -> Contribution:
+    def evaluate(self, x: Array, lam: float = 1.0, need: int = 2, tangent: Tangent = EXACT) -> Contribution:
         a, b = self._current_arms(x)
         excess = self.unwrap(self._raw_angle(a, b)) - self.rest_angle
         moment = self.stiffness * excess
@@ -168,7 +168,7 @@ class TorsionSpring3Kernel(AngleKernel):
         gradient = moment * angle_gradient
         if need == 1:
             return Contribution(energy, gradient.transpose(2, 1, 0))
-        moment = (1 - self.convexity) * moment
+        moment = (1 - tangent.convexity) * moment
         hessian = np.empty((2, 2, len(self.pairs), len(moment)))
         stiff = self.stiffness * angle_gradient
         for slot, (p, q) in enumerate(self.pairs):

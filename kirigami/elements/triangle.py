@@ -50,8 +50,7 @@ def check_areas(owner: str, corners: NDArray[np.int64], numbering: Numbering) ->
         _, area = flat_edges(edges)
     bad = np.flatnonzero(~(area > 0.5 * DEGENERATE * (edges**2).sum(axis=2).max(axis=1)))
     if bad.size:
-        nodes = numbering.model.nodes
-        first = ", ".join(numbering.describe(nodes[k]) for k in corners[bad[0]].tolist())
+        first = ", ".join(numbering.describe(k) for k in corners[bad[0]].tolist())
         raise ModelError(f"{bad.size} {owner}(s) without area, the first on {first}: remove or remesh them")
 
 

@@ -8,10 +8,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kirigami.errors import ModelError
-from kirigami.model.model import Model
+from kirigami.geometry.mesh import TriMesh
 from kirigami.primitives.checks import require_positive
 from kirigami.primitives.kernel import Array
 from kirigami.primitives.node import Node
+
+Index = NDArray[np.int64]
 
 
 class Normal(Node):
@@ -60,7 +62,7 @@ class Normal(Node):
         return f"Normal of {self.base!r}"
 
 
-def sheet_normals(points: Array, triangles: NDArray[np.int64]) -> Array:
+def sheet_normals(points: Array, triangles: Index) -> Array:
     """Unit normals (n, 3) of a triangulated sheet at its nodes: the area-weighted mean of the facets around."""
     corners = points[triangles]
     facet = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
@@ -70,14 +72,13 @@ def sheet_normals(points: Array, triangles: NDArray[np.int64]) -> Array:
     return np.asarray(total / np.linalg.norm(total, axis=1)[:, None])
 
 
-def moved_tips(model: Model, before: Array, after: Array) -> Array:
+def moved_tips(base: Index, tip: Index, before: Array, after: Array, mesh: TriMesh | None) -> Array:
     """Rest positions (number of normals, 3) of the tips once the nodes have moved from `before` to `after`.
 
     On a mesh the normals follow the surface; without one they move along with their nodes.
     """
-    base, tip = model.normals
     arm = before[tip] - before[base]
-    if model.mesh is not None:
-        normals = sheet_normals(after[: len(model.mesh.nodes)], model.mesh.triangles)
+    if mesh is not None:
+        normals = sheet_normals(after[: len(mesh.nodes)], mesh.triangles)
         arm = normals[base] * np.linalg.norm(arm, axis=1)[:, None]
     return np.asarray(after[base] + arm)

@@ -11,8 +11,8 @@ import shapely
 from numpy.typing import NDArray
 from shapely.geometry.base import BaseGeometry
 
+from kirigami.deferred import deferred
 from kirigami.errors import GeometryError, KirigamiWarning
-from kirigami.file_methods import SheetFiles
 from kirigami.geometry.clean import Drawing, clean
 from kirigami.geometry.mesh import TriMesh
 from kirigami.geometry.refine import LONGEST, signed_areas, triangulate_drawing
@@ -30,7 +30,7 @@ POOR_ANGLE = 20.0  # degrees; below, bars and hinges lose accuracy
 LARGEST_MIN_ANGLE = 33.0  # degrees; beyond, refinement need not come to an end
 
 
-class Sheet(SheetFiles):
+class Sheet:
     """A thin sheet in the plane, with its cuts.
 
     Parameters
@@ -208,11 +208,15 @@ class Sheet(SheetFiles):
             points[:, axis] = np.where(np.abs(points[:, axis] - nearest) <= reach, nearest, points[:, axis])
         return points
 
-    def plot(self, **options: Any) -> Any:
-        """Draw the outline and the cuts; options as for `kirigami.plot.plot_sheet`."""
-        from kirigami.plot import plot_sheet
-
-        return plot_sheet(self, **options)
+    from_dxf = deferred("kirigami.drawing.convert:sheet_from_dxf", static=True)
+    from_svg = deferred("kirigami.drawing.convert:sheet_from_svg", static=True)
+    from_geojson = deferred("kirigami.drawing.convert:sheet_from_geojson", static=True)
+    from_fold = deferred("kirigami.drawing.convert:sheet_from_fold", static=True)
+    to_dxf = deferred("kirigami.drawing.dxf:write_dxf")
+    to_svg = deferred("kirigami.drawing.svg:write_svg")
+    to_geojson = deferred("kirigami.drawing.geojson:write_geojson")
+    to_fold = deferred("kirigami.drawing.fold:write_fold")
+    plot = deferred("kirigami.plot.undeformed:plot_sheet")
 
     def _repr_svg_(self) -> str:
         return str(shapely.GeometryCollection([self.outline, *self.cuts])._repr_svg_())

@@ -8,11 +8,13 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-import kirigami as kg
 from kirigami import units
 from kirigami.drawing.convert import read_drawing, write_drawing
 from kirigami.errors import GeometryError
 from kirigami.files import library, whole_file
+from kirigami.geometry.mesh import TriMesh
+from kirigami.geometry.sheet import Sheet
+from kirigami.results.archive import load
 
 if TYPE_CHECKING:
     pass
@@ -48,7 +50,7 @@ def info(path: str | os.PathLike[str], **reading: Any) -> dict[str, Any]:
     0.2
     """
     if Path(path).suffix.lower() == ".npz":
-        results = kg.load(path)
+        results = load(path)
         return {
             "kind": "results",
             "text": results.summary(),
@@ -70,7 +72,7 @@ def info(path: str | os.PathLike[str], **reading: Any) -> dict[str, Any]:
     }
 
 
-def edge_for(sheet: kg.Sheet, max_edge: float | str | None) -> float:
+def edge_for(sheet: Sheet, max_edge: float | str | None) -> float:
     """The edge length asked for [m], or one for about 4,000 facets."""
     return (2.3 * sheet.area / FACETS) ** 0.5 if max_edge is None else units.parse(max_edge, "length")
 
@@ -80,7 +82,7 @@ def mesh_drawing(
     max_edge: float | str | None = None,
     output: str | os.PathLike[str] | None = None,
     **reading: Any,
-) -> kg.TriMesh:
+) -> TriMesh:
     """Mesh a drawing and, if asked, write the mesh.
 
     Parameters
@@ -116,7 +118,7 @@ def mesh_drawing(
     return mesh
 
 
-def write_mesh(mesh: kg.TriMesh, path: str | os.PathLike[str]) -> Path:
+def write_mesh(mesh: TriMesh, path: str | os.PathLike[str]) -> Path:
     """Write a mesh as FOLD, or as whatever meshio knows by its ending.
 
     Parameters
@@ -188,7 +190,7 @@ def export(path: str | os.PathLike[str], output: str | os.PathLike[str], **readi
     target = Path(output)
     if Path(path).suffix.lower() != ".npz":
         return [write_drawing(read_drawing(path, **{**reading, "unit": "m"}), target)]
-    results = kg.load(path)
+    results = load(path)
     ending = target.suffix.lower()
     if ending == ".html":
         from kirigami.io.html import to_html
@@ -209,7 +211,9 @@ def export(path: str | os.PathLike[str], output: str | os.PathLike[str], **readi
     if ending == ".fold":
         from kirigami.drawing.fold import write_fold
 
-        return [write_fold(results, target)]
+        if results.mesh is None:
+            raise GeometryError("only results of a model made by Model.from_mesh have facets to write")
+        return [write_fold(results.mesh, target, positions=results.position()[-1, : len(results.mesh.nodes)])]
     from kirigami.io.surface import ENDINGS, write_surface
 
     if ending in ENDINGS:

@@ -92,15 +92,16 @@ class NodalLoadKernel(Kernel):
 
     name = "loads"
     pairs = ()
+    stores_energy = False
 
     def __init__(self, rest: Array, conn: NDArray[np.int64], force: Array, constant: bool = False) -> None:
-        self.rest, self.conn, self.force, self.constant = rest, conn, force, bool(constant)
+        self.rest, self.conn, self.applied, self.constant = rest, conn, force, bool(constant)
         self.scaled = not self.constant
 
     def arrays(self) -> dict[str, Any]:
-        return {"conn": self.conn, "force": self.force, "constant": self.constant}
+        return {"conn": self.conn, "force": self.applied, "constant": self.constant}
 
     def evaluate(self, x: Array, lam: float = 1.0, need: int = 2) -> Contribution:
         factor = 1.0 if self.constant else lam
         u = displacement_of(x, self.rest)[self.conn[:, 0]]
-        return Contribution(-factor * (self.force * u).sum(axis=1), -factor * self.force[:, None, :])
+        return Contribution(-factor * (self.applied * u).sum(axis=1), -factor * self.applied[:, None, :])

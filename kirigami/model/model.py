@@ -9,25 +9,22 @@ from typing import TYPE_CHECKING, Any, TypeVar, overload
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from kirigami.deferred import deferred
 from kirigami.errors import GeometryError, ModelError
-from kirigami.file_methods import ModelFiles
 from kirigami.primitives.checks import require_finite
 from kirigami.primitives.material import Material
 from kirigami.primitives.node import Node
 from kirigami.primitives.parts import ModelObject
 
 if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-
     from kirigami.elements.stiffness import Calibration, SheetConstants
     from kirigami.geometry.mesh import TriMesh
     from kirigami.primitives.kernel import Array
-    from kirigami.results.step import Step
 
 Item = TypeVar("Item")
 
 
-class Model(ModelFiles):
+class Model:
     """A structure of nodes, elements, constraints and loads.
 
     Parameters
@@ -177,7 +174,7 @@ class Model(ModelFiles):
             del stored[position]
         self.version += 1
 
-    def hold(self, step: Step) -> None:
+    def hold(self, step: Any) -> None:
         """Freeze what drives the model at its value in `step` and start the load factor from zero again.
 
         Prescribed displacements and loads become constant ones at ``step.lam`` times their value, so that a next
@@ -247,7 +244,7 @@ class Model(ModelFiles):
         if len(tip):
             from kirigami.geometry.normals import moved_tips
 
-            moved[tip] = moved_tips(self, positions, moved)
+            moved[tip] = moved_tips(base, tip, positions, moved, self.mesh)
         for node, position in zip(self._nodes, moved.tolist()):
             node._position = tuple(position)
         self.version += 1
@@ -405,9 +402,6 @@ class Model(ModelFiles):
         title = f"Model {self.name}".strip()
         return f"<b>{title}</b>, {self.dim}D<table><tr><td>nodes</td><td>{len(self._nodes)}</td></tr>{rows}</table>"
 
-    def plot(self, **options: Any) -> Axes:
-        """Draw the rest state with supports and loads; returns axes (see :func:`kirigami.plot.plot_model`)."""
-        from kirigami.plot import plot_model
-
-        axes: Axes = plot_model(self, **options)
-        return axes
+    plot = deferred("kirigami.plot.undeformed:plot_model")
+    to_abaqus = deferred("kirigami.io.abaqus:to_abaqus")
+    to_openseespy = deferred("kirigami.io.opensees:to_openseespy")

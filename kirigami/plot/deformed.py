@@ -222,7 +222,7 @@ class Field:
         total = np.zeros(len(results.rest))
         step = results[number]
         for kernel in results.kernels:
-            if kernel.pairs != ():  # loads have no stiffness and store nothing
+            if kernel.stores_energy:  # loads have no stiffness and store nothing
                 energy = results.evaluate_at(kernel, step, lambda x: kernel.evaluate(x, step.lam, 0)).energy  # noqa: B023
                 np.add.at(total, kernel.conn, energy[:, None] / kernel.conn.shape[1])
         if results.mesh is not None:

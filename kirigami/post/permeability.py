@@ -10,7 +10,6 @@ from numpy.typing import ArrayLike, NDArray
 
 from kirigami.errors import AnalysisError, ModelError
 from kirigami.post.opening import open_area
-from kirigami.results.results import Results
 
 Floats = NDArray[np.float64]
 LENGTHS = ("diameter", "half perimeter")
@@ -107,7 +106,7 @@ def slit_permeability(
 
 
 def permeability(
-    results: Results,
+    results: Any,
     sheet: str | ArrayLike = "deformed",
     length: str | ArrayLike = "diameter",
     cuts: Sequence[int] | None = None,

@@ -7,10 +7,13 @@ kernels knows no element; whoever writes an element knows no solver.
 
 from __future__ import annotations
 
-from typing import Any, ClassVar, NamedTuple
+from dataclasses import dataclass
+from typing import Any, ClassVar, NamedTuple, Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+
+from kirigami.errors import ModelError
 
 Array = NDArray[np.float64]
 
@@ -19,21 +22,18 @@ class Configuration(np.ndarray[Any, np.dtype[np.float64]]):
     """Current node positions, shape (n, dim), that remember the displacement they came from.
 
     Small strains of a large sheet drown in the rounding of ``rest + displacement``; a kernel that measures strain
-    reads ``displacement`` (n, dim) instead. ``scalars`` (p,) holds unknowns that are not translations.
+    reads ``displacement`` (n, dim) instead.
     """
 
     displacement: Array | None
-    scalars: Array | None
 
-    def __new__(cls, rest: Array, displacement: Array, scalars: Array | None = None) -> Configuration:
+    def __new__(cls, rest: Array, displacement: Array) -> Configuration:
         positions = (rest + displacement).view(cls)
         positions.displacement = displacement
-        positions.scalars = scalars
         return positions
 
     def __array_finalize__(self, source: Any) -> None:
         self.displacement = None
-        self.scalars = None
 
 
 def displacement_of(x: ArrayLike, rest: Array) -> Array:
@@ -61,25 +61,78 @@ class Contribution(NamedTuple):
     hessian: Array | None = None
 
 
+Ahead = tuple[Array, Array] | None  # a linear step: where it starts, and the change it makes
+
+
+@dataclass(frozen=True, eq=False)
+class Tangent:
+    """Which tangent a corrector wants; energy and gradient are always exact.
+
+    Attributes
+    ----------
+    convexity : float
+        Share of the indefinite part of the Hessian that is faded out: 0 is the exact Hessian, 1 a positive
+        semi-definite one, between them their mixture.
+    ahead : tuple of ndarray, or None
+        Positions x (n, dim) and a change (n, dim): the stress in the geometric stiffness is that of a linear step
+        `change` off `x`, instead of that of the position reached. Kernels without a stiff stress ignore it.
+
+    Examples
+    --------
+    >>> import kirigami as kg
+    >>> kg.Tangent().convexity
+    0.0
+    """
+
+    convexity: float = 0.0
+    ahead: Ahead = None
+
+
+EXACT = Tangent()
+
+
+class CompiledKernel(Protocol):
+    """A kernel's fast twin: the same forces and blocks, added in place by compiled loops."""
+
+    def add_forces(self, x: Configuration, lam: float, total: Array) -> float:
+        """Add the gradient to `total` (n_nodes, dim); returns the sum of its squares, member by member."""
+
+    def add_blocks(
+        self, x: Configuration, lam: float, tangent: Tangent, slots: NDArray[np.int64], blocks: Array
+    ) -> None:
+        """Add the Hessian to node blocks (blocks, dim, dim) at the `slots` of the assembly plan, pair by pair."""
+
+
 class Kernel:
     """Base class of all kernels; a new effect overrides :meth:`evaluate` and little else.
 
     Attributes
     ----------
     name : str
-        Key under which energy and seconds are reported, for example ``"bars"``.
+        Key under which energy, forces and seconds are reported, for example ``"bars"``.
     conn : ndarray of int, shape (n, k)
         Node indices of each member.
+    members : ndarray of int, shape (n,), or None
+        Position of each member among the model's objects of its type.
     pairs : tuple of (int, int), or None
         Local node pairs (a, b), a <= b, of the Hessian blocks that are returned; the blocks (b, a) follow by
         symmetry. None means all k * k blocks are returned; an empty tuple means the Hessian is zero.
+    stores_energy : bool
+        True where the energy is stored in the structure, as in an element, and False for the potential of a load. It
+        is False for kernels that declare ``pairs = ()`` and say nothing else.
+    conservative : bool
+        False where the force has no potential, so that ``energy`` means nothing and stability cannot be counted.
     translation_invariant : bool
         True where shifting all nodes of a member changes nothing: then only pairs a < b are listed, since the block
         (a, a) is minus the sum of the blocks (a, b).
+    measures_displacement : bool
+        True where strain comes from displacements alone, and rounds as they do.
     scaled : bool
         True where the potential depends on the load factor, which it must do linearly.
-    members : ndarray of int, shape (n,), or None
-        Position of each member among the model's objects of its type.
+    anchored : bool
+        True where rigid motions of its members cost energy, as for a support.
+    approximates : bool
+        True where :meth:`evaluate` takes a further argument `tangent`, a :class:`Tangent`.
 
     Examples
     --------
@@ -96,19 +149,54 @@ class Kernel:
     """
 
     name: ClassVar[str] = "kernel"
-    pairs: tuple[tuple[int, int], ...] | None = None
-    translation_invariant: bool = False
-    measures_displacement: bool = False  # True where strain comes from displacements alone, and rounds as they do
-    scaled: bool = False
     conn: NDArray[np.int64]
-    anchored: bool = False  # True where rigid motions of its members cost energy, as for a support
     members: NDArray[np.int64] | None = None
+    pairs: tuple[tuple[int, int], ...] | None = None
+    stores_energy: bool = True
+    conservative: bool = True
+    translation_invariant: bool = False
+    measures_displacement: bool = False
+    scaled: bool = False
+    anchored: bool = False
+    approximates: bool = False
     normals: tuple[NDArray[np.int64], NDArray[np.int64]] | None = None  # nodes and tips of their normals, if it has any
-    convexity: float = 0.0  # 0: the exact Hessian; 1: a positive semi-definite one; between: their mixture
+
+    def __init_subclass__(cls) -> None:
+        if cls.__dict__.get("pairs") == () and "stores_energy" not in cls.__dict__:
+            cls.stores_energy = False
 
     def evaluate(self, x: Array, lam: float = 1.0, need: int = 2) -> Contribution:
         """Energy (need 0), also the gradient (need 1), also the Hessian (need 2) at positions `x` (n_nodes, dim)."""
         raise NotImplementedError
+
+    def compiled(self) -> CompiledKernel | None:
+        """The kernel's compiled twin, or None where it has none; asked for where Numba is installed and pays."""
+        return None
+
+    # ---- what it tells of its members
+
+    def deformation(self, x: Array) -> Array:
+        """What the members feel (n, ...): strain, angle, gap, in an order and unit that the kernel states."""
+        raise ModelError(f"{self.name!r} has no deformation to tell: its kernel defines none")
+
+    def deformation_rate(self, x: Array, change: Array) -> Array:
+        """First-order change of the deformation for a displacement change (n_nodes, dim); by default a difference."""
+        size = float(np.abs(change).max(initial=0.0))
+        if size == 0:
+            return 0.0 * self.deformation(x)
+        step = 1e-6 * (float(np.ptp(np.asarray(x), axis=0).max(initial=0.0)) or 1.0) / size
+        plain = np.asarray(x)
+        return (self.deformation(plain + step * change) - self.deformation(plain - step * change)) / (2 * step)
+
+    def force(self, deformation: Array) -> Array:
+        """What the members answer (n, ...) to a deformation: force, moment."""
+        raise ModelError(f"{self.name!r} has no force to tell: its kernel defines none")
+
+    def mass(self, lumped: bool = False) -> Array | None:
+        """Mass matrices (n, k, k) of the members, the same along every axis, or None where it has no mass."""
+        return None
+
+    # ---- history
 
     def commit(self, x: Array) -> None:
         """Accept `x` as an equilibrium: history-dependent state moves on."""
@@ -119,10 +207,6 @@ class Kernel:
     def update(self, x: Array) -> bool:
         """Look for new or lost members at `x`; True when ``conn`` changed."""
         return False
-
-    def linearize(self, x: Array, change: Array | None) -> None:
-        """Take the stress of the next geometric stiffness from a linear step `change` (n, dim) off `x`, not from the
-        position reached; None goes back to the exact stress. Kernels without a stiff stress ignore it."""
 
     @property
     def history(self) -> Array | None:
@@ -136,6 +220,16 @@ class Kernel:
     def arrays(self) -> dict[str, Any]:
         """Constructor arguments, so that results can be saved and rebuilt."""
         raise NotImplementedError(f"{type(self).__name__} does not say how to save itself: define arrays()")
+
+
+def hessian_blocks(kernel: Kernel, x: Array, lam: float, tangent: Tangent = EXACT) -> Array:
+    """Hessian blocks of a kernel, by the tangent asked for where it knows more than the exact one."""
+    if kernel.approximates and tangent is not EXACT:
+        found = kernel.evaluate(x, lam, 2, tangent)  # type: ignore[call-arg]
+    else:
+        found = kernel.evaluate(x, lam, 2)
+    assert found.hessian is not None
+    return found.hessian
 
 
 def full_hessian(kernel: Kernel, contribution: Contribution) -> Array:

@@ -3,20 +3,49 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
+from kirigami.primitives.kernel import Array, Configuration, Kernel, full_hessian
 from kirigami.primitives.node import Node
 
-if TYPE_CHECKING:
-    from kirigami.model.model import Model
-    from kirigami.primitives.kernel import Array, Kernel
+NO_NORMALS = np.empty(0, np.int64), np.empty(0, np.int64)
 
 
 class ModelObject:
-    """Base of everything a model holds beside its nodes. ``kind`` says on which list it goes."""
+    """Base of everything a model holds beside its nodes. ``kind`` says on which list it goes.
+
+    Examples
+    --------
+    A weight on a node, lowered to a kernel with all others of its kind:
+
+    >>> import numpy as np, kirigami as kg
+    >>> class WeightsKernel(kg.Kernel):
+    ...     name, pairs = "weights", ()
+    ...     def __init__(self, conn):
+    ...         self.conn = conn
+    ...     def evaluate(self, x, lam=1.0, need=2):
+    ...         down = np.zeros((len(self.conn), 1, x.shape[1]))
+    ...         down[..., -1] = 1.0
+    ...         return kg.Contribution(x[self.conn[:, 0], -1], down)
+    >>> class Weight(kg.ModelObject):
+    ...     kind = "load"
+    ...     def __init__(self, node):
+    ...         self.node = node
+    ...     @property
+    ...     def nodes(self):
+    ...         return (self.node,)
+    ...     @classmethod
+    ...     def lower(cls, objects, numbering):
+    ...         return [WeightsKernel(numbering.connectivity(objects))]
+    >>> m = kg.Model(dim=2)
+    >>> a, b = m.add(kg.Node(0, 0), kg.Node(0, -2))
+    >>> objects = m.add(kg.Bar(a, b, EA=10.0), kg.Fix(a), kg.Fix(b, "x"), Weight(b))
+    >>> round(float(kg.LinearStatic(m).run().u[-1, 1, 1]), 9)
+    -0.2
+    """
 
     __slots__ = ()
     kind: ClassVar[str] = "element"  # "element", "constraint", "load" or "effect"
@@ -33,21 +62,84 @@ class ModelObject:
 
 
 class Numbering:
-    """What lowering needs to know of a model: node indices, rest positions (n, dim), size."""
+    """What lowering needs to know of a model.
 
-    def __init__(self, model: Model) -> None:
-        self.model = model
-        self.dim = model.dim
-        self.rest: Array = model.positions()[:, : model.dim].copy()
-        self.size = float(np.linalg.norm(np.ptp(self.rest, axis=0))) or 1.0
+    Parameters
+    ----------
+    nodes : sequence of Node
+        The nodes, in order.
+    rest : ndarray, shape (n, dim)
+        Their rest positions.
+    mesh, sheet : optional
+        The mesh and the constants of a sheet, where the model was made from one.
+    normals : tuple of ndarray
+        Nodes that carry a normal, and the tips of these normals.
+
+    Attributes
+    ----------
+    dim : int
+        Unknowns per node.
+    size : float
+        Size of the structure, by which "zero length" is judged.
+
+    Examples
+    --------
+    >>> import numpy as np, kirigami as kg
+    >>> nodes = [kg.Node(0, 0), kg.Node(1, 0)]
+    >>> kg.Numbering(nodes, np.array([[0.0, 0.0], [1.0, 0.0]])).index(nodes[1:]).tolist()
+    [1]
+    """
+
+    def __init__(
+        self,
+        nodes: Sequence[Node],
+        rest: Array,
+        mesh: Any = None,
+        sheet: Any = None,
+        normals: tuple[NDArray[np.int64], NDArray[np.int64]] = NO_NORMALS,
+    ) -> None:
+        self.nodes = tuple(nodes)
+        self.rest = rest
+        self.dim = rest.shape[1]
+        self.mesh = mesh
+        self.sheet = sheet
+        self.normals = normals
+        self.size = float(np.linalg.norm(np.ptp(rest, axis=0))) or 1.0
+        self.kernels: list[Kernel] = []  # what has been lowered so far: elements come before what acts on them
+        self._index = {id(node): position for position, node in enumerate(self.nodes)}
 
     def index(self, nodes: Iterable[Node]) -> NDArray[np.int64]:
-        index = self.model._index
-        return np.array([index[id(node)] for node in nodes], dtype=np.int64)
+        """Indices of nodes."""
+        return np.array([self._index[id(node)] for node in nodes], dtype=np.int64)
 
     def connectivity(self, objects: Sequence[ModelObject]) -> NDArray[np.int64]:
         """Node indices (n, k) of objects that all have k nodes."""
         return self.index(node for item in objects for node in item.nodes).reshape(len(objects), -1)
 
-    def describe(self, node: Node) -> str:
-        return f"node {self.model._index[id(node)]} {node!r}"
+    def describe(self, node: Node | int) -> str:
+        """A node in words, given itself or its index."""
+        position = self._index[id(node)] if isinstance(node, Node) else int(node)
+        return f"node {position} {self.nodes[position]!r}"
+
+    def rest_stiffness(self) -> Array:
+        """Largest stiffness (n,) [force / length] that any element gives each node in the rest state."""
+        stiffest = np.zeros(len(self.rest))
+        for kernel in self.kernels:
+            if not kernel.stores_energy:
+                continue
+            blocks = full_hessian(kernel, kernel.evaluate(Configuration(self.rest, np.zeros_like(self.rest)), 0.0, 2))
+            for local, nodes in enumerate(kernel.conn.T):
+                np.maximum.at(stiffest, nodes, np.linalg.norm(blocks[:, local, local], ord=2, axis=(1, 2)))
+        return stiffest
+
+    def rest_spacing(self) -> Array:
+        """Median distance (n,) [length] of each node from those that elements join it to; nan where there are none."""
+        ends = [kernel.conn[:, :2] for kernel in self.kernels if kernel.stores_energy and kernel.conn.shape[1] > 1]
+        pairs = np.unique(np.sort(np.concatenate(ends or [np.empty((0, 2), np.int64)]), axis=1), axis=0)
+        distance = np.linalg.norm(self.rest[pairs[:, 1]] - self.rest[pairs[:, 0]], axis=1)
+        at, values = pairs.T.ravel(), np.tile(distance, 2)
+        order = np.lexsort((values, at))
+        nodes, starts, counts = np.unique(at[order], return_index=True, return_counts=True)
+        spacing = np.full(len(self.rest), np.nan)
+        spacing[nodes] = values[order][starts + counts // 2]
+        return spacing

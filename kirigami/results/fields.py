@@ -87,7 +87,7 @@ def nodal_energy(results: Results) -> Array:
     """
     total = np.zeros((len(results), len(results.rest)))
     for kernel in results.kernels:
-        if kernel.pairs == () or not len(kernel.conn):  # loads store nothing
+        if not kernel.stores_energy or not len(kernel.conn):  # loads store nothing
             continue
         share = 1.0 / kernel.conn.shape[1]
         for row, step in zip(total, results.steps):

@@ -2,31 +2,27 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Iterable, Sequence
 from functools import cached_property
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from kirigami.deferred import deferred
 from kirigami.errors import AnalysisError, ModelError
-from kirigami.file_methods import ResultsFiles
 from kirigami.model.model import Model
 from kirigami.primitives.kernel import Array, Configuration, Kernel
 from kirigami.primitives.node import AXES, Node
 from kirigami.results.step import Event, Step
-from kirigami.shape_methods import ResultsShape
 
 if TYPE_CHECKING:
-    from matplotlib.axes import Axes
 
     from kirigami.geometry.mesh import TriMesh
     from kirigami.system.system import System
 
 
-class Results(ResultsFiles, ResultsShape):
+class Results:
     """Everything an analysis found, step by step.
 
     Step 0 is the state at load factor 0, in equilibrium with constant loads (or the step the analysis started from).
@@ -126,7 +122,7 @@ class Results(ResultsFiles, ResultsShape):
 
     # ---- forces and energies
 
-    def _deformation(self, kernel: Any, step: Step) -> Array:
+    def _deformation(self, kernel: Kernel, step: Step) -> Array:
         """Strain or angle (members,) of a kernel at a step; to first order for a linear analysis."""
         if self.linear:
             at_rest = Configuration(self.rest[:, : self.dim], np.zeros((len(self.rest), self.dim)))
@@ -210,7 +206,7 @@ class Results(ResultsFiles, ResultsShape):
         """Stored energy [force length] by kind of kernel, each (s,): "bars", "hinges", "springs", ..."""
         totals: dict[str, Array] = {}
         for kernel in self.kernels:
-            if kernel.pairs == ():
+            if not kernel.stores_energy:
                 continue
             if self.linear:
                 values = [self._linear_energy(kernel, step) for step in self.steps]
@@ -235,13 +231,67 @@ class Results(ResultsFiles, ResultsShape):
     def _members(self, name: str, quantity: str) -> Array:
         kernels = [kernel for kernel in self.kernels if kernel.name == name]
         count = sum(len(kernel.conn) for kernel in kernels)
-        values = np.zeros((len(self.steps), count))
+        values: Array | None = None
         for kernel in kernels:
-            at = slice(None) if kernel.members is None else kernel.members
-            for row, step in zip(values, self.steps):
-                deformation = self._deformation(kernel, step)
-                row[at] = kernel.force(deformation) if quantity == "force" else deformation  # type: ignore[attr-defined]
-        return values
+            at: Any = slice(None) if kernel.members is None else kernel.members
+            for number, step in enumerate(self.steps):
+                row = self._deformation(kernel, step)
+                row = kernel.force(row) if quantity == "force" else row
+                if values is None:
+                    values = np.zeros((len(self.steps), count, *row.shape[1:]))
+                values[number, at] = row
+        return np.zeros((len(self.steps), count)) if values is None else values
+
+    def deformation(self, name: str) -> Array:
+        """What the members of a kind of kernel feel at each step.
+
+        Parameters
+        ----------
+        name : str
+            Name of the kernels: "bars", "hinges", "springs", "facets", "contact" and so on, or that of your own effect.
+
+        Returns
+        -------
+        ndarray, shape (s, members, ...)
+            Strain, angle or gap, as the kernel defines it, in the order the objects were added; of a linear analysis
+            to first order.
+
+        Raises
+        ------
+        ModelError
+            The model has no such kernel, or the kernel does not tell.
+
+        Examples
+        --------
+        >>> import kirigami as kg
+        >>> m = kg.Model(dim=2)
+        >>> a, b = m.add(kg.Node(0, 0), kg.Node(2, 0))
+        >>> objects = m.add(kg.Bar(a, b, EA=10.0), kg.Fix(a), kg.Fix(b, "y"), kg.NodalLoad(b, (1, 0)))
+        >>> kg.LinearStatic(m).run().deformation("bars")[-1].round(9).tolist()
+        [0.1]
+        """
+        return self._members(self._known_kernel(name), "deformation")
+
+    def force(self, name: str) -> Array:
+        """What the members of a kind of kernel answer at each step, (s, members, ...): force or moment.
+
+        Parameters
+        ----------
+        name : str
+            As for :meth:`deformation`.
+
+        Raises
+        ------
+        ModelError
+            The model has no such kernel, or the kernel does not tell.
+        """
+        return self._members(self._known_kernel(name), "force")
+
+    def _known_kernel(self, name: str) -> str:
+        known = sorted({kernel.name for kernel in self.kernels})
+        if name not in known:
+            raise ModelError(f"the model has no {name!r}; it has {', '.join(map(repr, known))}")
+        return name
 
     @cached_property
     def bar_strain(self) -> Array:
@@ -296,26 +346,6 @@ class Results(ResultsFiles, ResultsShape):
 
     # ---- looking
 
-    def plot(self, *args: Any, **options: Any) -> Axes:
-        """Draw the deformed structure; returns matplotlib axes (see :func:`kirigami.plot.plot_results`)."""
-        from kirigami.plot import plot_results
-
-        axes: Axes = plot_results(self, *args, **options)
-        return axes
-
-    def plot_curve(self, *args: Any, **options: Any) -> Axes:
-        """Draw force over displacement; returns matplotlib axes (see :func:`kirigami.plot.plot_curve`)."""
-        from kirigami.plot import plot_curve
-
-        axes: Axes = plot_curve(self, *args, **options)
-        return axes
-
-    def animate(self, path: str | os.PathLike[str], **options: Any) -> Path:
-        """Write an animation of the deformation, GIF or MP4 (see :func:`kirigami.plot.animate`)."""
-        from kirigami.plot import animate
-
-        return animate(self, path, **options)
-
     def summary(self) -> str:
         """What was computed, how it went, and where the time went, as text."""
         stats = self.stats
@@ -345,8 +375,25 @@ class Results(ResultsFiles, ResultsShape):
     def _repr_html_(self) -> str:
         return "<pre>" + self.summary().replace("<", "&lt;") + "</pre>"
 
-    def save(self, path: str | os.PathLike[str]) -> Path:
-        """Write everything to one compressed file that :func:`kirigami.load` reads back; never a partial file."""
-        from kirigami.results.archive import save
+    plot = deferred("kirigami.plot.deformed:plot_results")
+    plot_curve = deferred("kirigami.plot.curves:plot_curve")
+    plot_stress = deferred("kirigami.results.stress:plot_stress")
+    animate = deferred("kirigami.plot.movie:animate")
 
-        return save(self, path)
+    # ---- measures
+
+    height = deferred("kirigami.results.measures:height")
+    width = deferred("kirigami.results.measures:width")
+    poisson_ratio = deferred("kirigami.results.measures:poisson_ratio")
+    curvature = deferred("kirigami.results.measures:curvature")
+    stress = deferred("kirigami.results.stress:sheet_stress")
+    energy_shares = deferred("kirigami.results.measures:energy_shares")
+
+    # ---- files
+
+    save = deferred("kirigami.results.archive:save")
+    to_csv = deferred("kirigami.io.table:to_csv")
+    to_xarray = deferred("kirigami.io.table:to_xarray")
+    to_vtk = deferred("kirigami.io.vtk:write_vtk")
+    to_html = deferred("kirigami.io.html:to_html")
+    to_surface = deferred("kirigami.io.surface:write_surface")

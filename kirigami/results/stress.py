@@ -302,3 +302,32 @@ def checked_values(stress: SheetStress, kind: Any, fibre: str) -> tuple[Floats, 
     if kind == "von Mises":
         return stress.von_mises(fibre), f"von Mises stress, {fibre}"
     raise ModelError(f"stress: kind must be 'largest', 'smallest' or 'von Mises', got {kind!r}")
+
+
+def plot_stress(results: Results, step: int = -1, kind: str = "largest", fibre: str = "top", **options: Any) -> Any:
+    """Draw the deformed sheet, coloured by stress.
+
+    Parameters
+    ----------
+    step : int
+        Number of the stored step; -1 is the last.
+    kind : {"largest", "smallest", "von Mises"}
+        Which: one of the principal stresses, or von Mises' [force / length^2].
+    fibre : {"top", "middle", "bottom"}
+        Where in the thickness.
+    options
+        As for :func:`kirigami.plot.plot_results`.
+
+    Returns
+    -------
+    matplotlib axes
+
+    Raises
+    ------
+    AnalysisError
+        The model was not made from a mesh.
+    ModelError
+        No such step, kind or fibre, no thickness or material, or a mesh that is not flat.
+    """
+    values, label = checked_values(sheet_stress(results, step), kind, fibre)
+    return results.plot(step, color=values, **{"label": label, **options})

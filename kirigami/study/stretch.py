@@ -12,12 +12,20 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-import kirigami as kg
 from kirigami import units
+from kirigami.analysis.eigen import Eigen
+from kirigami.analysis.path.methods import DisplacementControl
 from kirigami.drawing.convert import read_drawing
 from kirigami.errors import AnalysisError, KirigamiError, KirigamiWarning, ModelError
 from kirigami.files import whole_file
+from kirigami.geometry.mesh import TriMesh
+from kirigami.geometry.sheet import Sheet
 from kirigami.io.convert import edge_for
+from kirigami.model.constraints import Fix, Prescribe
+from kirigami.model.model import Model
+from kirigami.primitives.material import Material
+from kirigami.primitives.node import Node
+from kirigami.results.results import Results
 
 if TYPE_CHECKING:
     from kirigami.drawing.drawing import Drawing
@@ -45,7 +53,7 @@ class Report:
         What was written.
     """
 
-    results: kg.Results
+    results: Results
     numbers: dict[str, Any]
     notes: tuple[str, ...]
     direction: str = "y"
@@ -159,7 +167,7 @@ def stretch(
         name, drawn = Path(drawing).stem, read_drawing(drawing, **{**reading, "unit": "m"})
     else:
         name, drawn = "sheet", drawing
-    sheet = drawn.sheet(thick, kg.Material(E=modulus, nu=nu))
+    sheet = drawn.sheet(thick, Material(E=modulus, nu=nu))
     xmin, ymin, xmax, ymax = sheet.bounds
     length, width = (ymax - ymin, xmax - xmin) if direction == "y" else (xmax - xmin, ymax - ymin)
     for doubt in units.doubts(thickness=thick, size=max(length, width), E=modulus, strain=wanted):
@@ -181,7 +189,7 @@ def stretch(
     model, high = held_model(sheet, edge, direction, held, pull, bump)
     model.name = name
     targets = [0.002, 0.005, 0.01, 0.02, 0.05, *np.linspace(0.1, 1.0, 10).tolist()]
-    results = kg.DisplacementControl(model, targets=targets).run(progress=progress, on_failure="return")
+    results = DisplacementControl(model, targets=targets).run(progress=progress, on_failure="return")
     events = tuple(str(event) for event in results.events)
     if not len(results):
         raise AnalysisError("\n".join(events), results=results)
@@ -193,8 +201,8 @@ def stretch(
 
 
 def pulled_sheet(
-    sheet: kg.Sheet, max_edge: float, direction: str, strain: float, stiffness: str = "plate"
-) -> tuple[kg.Model, list[kg.Node]]:
+    sheet: Sheet, max_edge: float, direction: str, strain: float, stiffness: str = "plate"
+) -> tuple[Model, list[Node]]:
     """Model of a sheet clamped at its two ends and to be pulled by a strain, and the nodes that are pulled.
 
     Ends and imperfection as in :func:`stretch`: straight edges or strips of 4 % of the length; the softest mode, one
@@ -210,21 +218,21 @@ def pulled_sheet(
 
 
 def held_model(
-    sheet: kg.Sheet, edge: float, direction: str, held: float, pull: float, bump: float, stiffness: str = "plate"
-) -> tuple[kg.Model, list[kg.Node]]:
+    sheet: Sheet, edge: float, direction: str, held: float, pull: float, bump: float, stiffness: str = "plate"
+) -> tuple[Model, list[Node]]:
     """Model of a sheet held at both ends and driven at the upper or right one, and the nodes that are driven.
 
     The imperfection is the softest mode of the held sheet, `bump` high.
     """
     mesh = sheet.mesh(edge, lines=_grip_lines(sheet.bounds, direction, held))
-    model = kg.Model.from_mesh(mesh, stiffness=stiffness)
+    model = Model.from_mesh(mesh, stiffness=stiffness)
     high = _hold(model, direction, held, pull)
     if bump:
-        model.perturb(kg.Eigen(model, n=1).run()[0], amplitude=bump)
+        model.perturb(Eigen(model, n=1).run()[0], amplitude=bump)
     return model, high
 
 
-def _grip(grip: float | str | None, sheet: kg.Sheet, direction: str, length: float, width: float) -> float:
+def _grip(grip: float | str | None, sheet: Sheet, direction: str, length: float, width: float) -> float:
     if grip is not None:
         held = units.parse(grip, "length")
         if not 0 <= held < 0.45 * length:
@@ -253,7 +261,7 @@ def _grip_lines(bounds: tuple[float, float, float, float], direction: str, held:
     return {f"grip {k}": LineString([(x, ymin), (x, ymax)]) for k, x in enumerate((xmin + held, xmax - held))}
 
 
-def _hold(model: kg.Model, direction: str, held: float, pull: float) -> list[kg.Node]:
+def _hold(model: Model, direction: str, held: float, pull: float) -> list[Node]:
     """Add the supports; returns the nodes that are pulled."""
     assert model.mesh is not None
     axis = "xy".index(direction)
@@ -262,13 +270,13 @@ def _hold(model: kg.Model, direction: str, held: float, pull: float) -> list[kg.
     low = model.select(index=np.flatnonzero(coordinate <= coordinate.min() + held + slack))
     high = model.select(index=np.flatnonzero(coordinate >= coordinate.max() - held - slack))
     others = "xz" if direction == "y" else "yz"
-    drive = kg.Prescribe(high, y=pull) if direction == "y" else kg.Prescribe(high, x=pull)
-    model.add(kg.Fix(low, clamp=True), kg.Fix(high, others, clamp=True), drive)
+    drive = Prescribe(high, y=pull) if direction == "y" else Prescribe(high, x=pull)
+    model.add(Fix(low, clamp=True), Fix(high, others, clamp=True), drive)
     return high
 
 
 def _numbers(
-    results: kg.Results, mesh: kg.TriMesh, high: list[kg.Node], direction: str, pull: float, free: float
+    results: Results, mesh: TriMesh, high: list[Node], direction: str, pull: float, free: float
 ) -> dict[str, Any]:
     force = results.reaction(high, direction)
     peak = int(np.abs(force).argmax())
@@ -342,14 +350,14 @@ def write_report(report: Report, folder: str | os.PathLike[str], say: Callable[[
     return files
 
 
-def _pictures(results: kg.Results, folder: Path, direction: str) -> list[Path]:
+def _pictures(results: Results, folder: Path, direction: str) -> list[Path]:
     from matplotlib import pyplot
 
     from kirigami import plot
 
     model = results.model
     assert model is not None
-    driven = next(item for item in model.constraints if isinstance(item, kg.Prescribe))
+    driven = next(item for item in model.constraints if isinstance(item, Prescribe))
     pictures: dict[str, Callable[[], Any]] = {
         "rest.png": lambda: plot.plot_model(model),
         "deformed.png": lambda: plot.plot_results(results),

@@ -20,8 +20,8 @@ from typing import Any
 
 import numpy as np
 
-import kirigami
 from kirigami.errors import AnalysisError, ModelError
+from kirigami.version import __version__
 
 THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "VECLIB_MAXIMUM_THREADS")
 Row = dict[str, Any]
@@ -183,7 +183,7 @@ def failure(message: str, seconds: float | None) -> Row:
 
 
 def _outcome(status: str, values: Row, error: str | None, seconds: float | None) -> Row:
-    return {"status": status, "values": values, "error": error, "seconds": seconds, "version": kirigami.__version__}
+    return {"status": status, "values": values, "error": error, "seconds": seconds, "version": __version__}
 
 
 def plain_values(returned: Any) -> Row:

@@ -6,14 +6,17 @@ matrix then picks its entries, and their mirror images, from there.
 
 from __future__ import annotations
 
+import importlib.util
+import os
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from kirigami.primitives.kernel import Array, Kernel
+from kirigami.primitives.kernel import Array, CompiledKernel, Kernel
 
 Index = NDArray[np.int64]
+MEMBERS = 5_000  # members of a kernel below which numpy is fast enough
 
 
 def scatter_add(target: Array, conn: Index, values: Array) -> None:
@@ -67,6 +70,12 @@ class BlockPlan:
                 others = np.add.reduceat(blocks[a, b], self.own) + np.bincount(self.high, blocks[b, a], self.nodes)
                 blocks[a, b, self.own] = blocks[b, a, self.own] = -others
 
+    def complete_compiled(self, blocks: Array) -> None:
+        """See :meth:`complete`; here the blocks come as (blocks, 3, 3), for compiled loops."""
+        from kirigami.system import assembly_loops
+
+        assembly_loops.complete(self.low, self.high, self.own, blocks)
+
     def links(self, rest: Array) -> tuple[Index, Index, Array]:
         """Joined node pairs and their distance."""
         off = self.low != self.high
@@ -87,6 +96,23 @@ class BlockPlan:
         scatter_add(product, low[:, None], upper[:, None])
         scatter_add(product, high[off][:, None], lower[:, None])
         return product
+
+
+def compiled_largest_turn(change: Array, low: Index, high: Index, distance: Array) -> float:
+    """Largest relative displacement of joined nodes over their distance, for a change (n, dim); by compiled loops."""
+    from kirigami.system import assembly_loops
+
+    return float(assembly_loops.largest_turn(np.ascontiguousarray(change), low, high, distance))
+
+
+def twins(kernels: list[Kernel]) -> list[CompiledKernel | None]:
+    """The compiled twin of each kernel, where Numba is installed and pays.
+
+    Numba needs seconds to compile loops once per machine and half a second to load, so small systems do without, and
+    all of them where the environment variable KIRIGAMI_COMPILED is 0.
+    """
+    wanted = os.environ.get("KIRIGAMI_COMPILED") != "0" and importlib.util.find_spec("numba") is not None
+    return [kernel.compiled() if wanted and len(kernel.conn) >= MEMBERS else None for kernel in kernels]
 
 
 class PickPlan:

@@ -13,12 +13,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from kirigami.elements import compiled
 from kirigami.errors import MechanismError, ModelError
 from kirigami.model.model import Model
-from kirigami.primitives.kernel import Array, Configuration, Kernel
+from kirigami.primitives.kernel import EXACT, Array, Configuration, Kernel, Tangent, hessian_blocks
 from kirigami.primitives.parts import ModelObject, Numbering
-from kirigami.system.assembly import BlockPlan, Index, PickPlan, scatter_add
+from kirigami.system.assembly import BlockPlan, Index, PickPlan, compiled_largest_turn, scatter_add, twins
 from kirigami.system.clock import Clock
 from kirigami.system.unknowns import Unknowns
 
@@ -69,13 +68,14 @@ class System(Unknowns):
         self.version = model.version
         self.clock = Clock()
         with self.clock("lowering"):
-            numbering = Numbering(model)
+            rest = model.positions()[:, : model.dim].copy()
+            numbering = Numbering(model.nodes, rest, model.mesh, model.sheet_constants, model.normals)
             self.size = numbering.size
-            self.kernels = self._lower(numbering)
-            super().__init__(numbering)
+            self.kernels = self._lower(model.objects, numbering)
+            super().__init__(numbering, model.constraints)
             self._check_dangling(numbering)
             self._measure()
-        self.compiled = [compiled.serves(kernel) for kernel in self.kernels]
+        self.twins = twins(self.kernels)
         self._blocks_plan: BlockPlan | None = None
         self._links: tuple[Index, Index, Array] | None = None
         self._pick_plan: PickPlan | None = None
@@ -83,16 +83,18 @@ class System(Unknowns):
     # ---- lowering
 
     @staticmethod
-    def _lower(numbering: Numbering) -> list[Kernel]:
+    def _lower(objects: list[Any], numbering: Numbering) -> list[Kernel]:
         by_type: dict[type[ModelObject], list[Any]] = {}
-        for item in numbering.model.objects:
+        for item in objects:
             by_type.setdefault(type(item), []).append(item)
-        return [kernel for cls, items in by_type.items() for kernel in cls.lower(items, numbering)]
+        for cls, items in by_type.items():
+            numbering.kernels.extend(cls.lower(items, numbering))
+        return numbering.kernels
 
     def _check_dangling(self, numbering: Numbering) -> None:
         touched = np.zeros(len(self.rest), dtype=bool)
         for kernel in self.kernels:
-            if kernel.pairs != ():
+            if kernel.stores_energy:
                 touched[kernel.conn.ravel()] = True
         moving = np.zeros(self.free, dtype=bool)
         unknown = self.unknown.reshape(self.rest.shape)
@@ -100,9 +102,8 @@ class System(Unknowns):
         still = np.append(~moving, False)  # the last entry answers for known displacements, index -1
         loose = np.flatnonzero(np.any(still[unknown], axis=1))
         if loose.size:
-            node = numbering.model.nodes[int(loose[0])]
             raise ModelError(
-                f"{loose.size} dangling node(s) that no element holds, the first {numbering.describe(node)}: "
+                f"{loose.size} dangling node(s) that no element holds, the first {numbering.describe(int(loose[0]))}: "
                 "remove them, connect them or fix them"
             )
 
@@ -111,10 +112,9 @@ class System(Unknowns):
         rest = self.configuration(np.zeros_like(self.rest))
         lengths, stiffness, shrinks = [], [], []
         for kernel in self.kernels:
-            if kernel.pairs == ():
+            if kernel.pairs == () or not kernel.stores_energy:
                 continue
-            hessian = kernel.evaluate(rest, 0.0, 2).hessian
-            assert hessian is not None
+            hessian = hessian_blocks(kernel, rest, 0.0)
             stiffness.append(np.sqrt((hessian.reshape(len(kernel.conn), -1) ** 2).sum(axis=1)))
             shrinks.append(np.full(len(kernel.conn), kernel.measures_displacement))
             if kernel.conn.shape[1] > 1:
@@ -157,10 +157,10 @@ class System(Unknowns):
         x = self.configuration(u)
         total = np.zeros(self.rest.shape)
         squares = 0.0
-        for kernel, fast in zip(self.kernels, self.compiled):
-            if fast:
+        for kernel, twin in zip(self.kernels, self.twins):
+            if twin is not None:
                 with self.clock(f"{kernel.name} (compiled)"):
-                    squares += compiled.add_forces(kernel, x, total)
+                    squares += twin.add_forces(x, lam, total)
                 continue
             with self.clock(kernel.name):
                 gradient = kernel.evaluate(x, lam, 1).gradient
@@ -212,41 +212,51 @@ class System(Unknowns):
                 scatter_add(rate, kernel.conn, after - before)
         return self.reduce(rate)
 
-    def stiffness_blocks(self, u: Array, lam: float) -> Array:
-        """Node blocks (dim, dim, blocks) of the Hessian of the potential."""
+    def stiffness_blocks(self, u: Array, lam: float, tangent: Tangent = EXACT) -> Array:
+        """Node blocks (dim, dim, blocks) of the Hessian of the potential, or of the tangent asked for.
+
+        In `tangent`, ``ahead`` holds displacements and a change, both (n, dim).
+        """
         x = self.configuration(u)
+        if tangent.ahead is not None:
+            start, change = tangent.ahead
+            tangent = Tangent(tangent.convexity, (self.configuration(start), change[:, : self.dim]))
         plan = self.plan
         with self.clock("assembly"):
             blocks = np.zeros((self.dim, self.dim, plan.count))
         plain = [
             (kernel, slots)
-            for kernel, slots, fast in zip(self.kernels, plan.slots, self.compiled)
-            if not fast and kernel.pairs != ()
+            for kernel, slots, twin in zip(self.kernels, plan.slots, self.twins)
+            if twin is None and kernel.pairs != ()
         ]
         for invariant in (True, False):
             group = [(kernel, slots) for kernel, slots in plain if kernel.translation_invariant is invariant]
             for kernel, slots in group:
                 with self.clock(kernel.name):
-                    hessian = kernel.evaluate(x, lam, 2).hessian
-                assert hessian is not None
+                    hessian = hessian_blocks(kernel, x, lam, tangent)
                 with self.clock("assembly"):
                     plan.add(blocks, kernel, slots, hessian)
             if invariant and group:
                 with self.clock("assembly"):
                     plan.complete(blocks)
-        if any(self.compiled):
-            self._add_compiled(x, blocks)
+        if any(self.twins):
+            self._add_compiled(x, lam, tangent, blocks)
         return blocks
 
-    def _add_compiled(self, x: Configuration, blocks: Array) -> None:
-        """Add the Hessians of the kernels that compiled loops serve, all of them translation invariant."""
+    def _add_compiled(self, x: Configuration, lam: float, tangent: Tangent, blocks: Array) -> None:
+        """Add the Hessians of the kernels that compiled twins serve."""
         gathered = np.zeros((self.plan.count, self.dim, self.dim))
-        for kernel, slots, fast in zip(self.kernels, self.plan.slots, self.compiled):
-            if fast:
-                with self.clock(f"{kernel.name} (compiled)"):
-                    compiled.add_blocks(kernel, x, slots, gathered)
+        for invariant in (True, False):
+            served = False
+            for kernel, slots, twin in zip(self.kernels, self.plan.slots, self.twins):
+                if twin is not None and kernel.translation_invariant is invariant:
+                    served = True
+                    with self.clock(f"{kernel.name} (compiled)"):
+                        twin.add_blocks(x, lam, tangent, slots, gathered)
+            if invariant and served:
+                with self.clock("assembly"):
+                    self.plan.complete_compiled(gathered)
         with self.clock("assembly"):
-            compiled.complete(self.plan, gathered)
             blocks += gathered.transpose(1, 2, 0)
 
     def matrix(self, blocks: Array) -> Any:
@@ -290,8 +300,8 @@ class System(Unknowns):
             if self._links is None:
                 self._links = plan.links(self.rest)
             low, high, distance = self._links
-            if any(self.compiled):
-                return compiled.largest_turn(change, low, high, distance)
+            if any(self.twins):
+                return compiled_largest_turn(change, low, high, distance)
             columns = np.ascontiguousarray(change.T)
             square = ((columns[:, high] - columns[:, low]) ** 2).sum(axis=0)
             return float(np.sqrt((square / distance**2).max(initial=0.0)))
@@ -309,27 +319,6 @@ class System(Unknowns):
         """Forget everything since the last commit."""
         for kernel in self.kernels:
             kernel.revert()
-
-    def linearize(self, u: Array | None, change: Array | None = None) -> None:
-        """See :meth:`Kernel.linearize`; without arguments, back to the exact stress."""
-        x = self.configuration(self.rest * 0 if u is None else u)
-        for kernel, fast in zip(self.kernels, self.compiled):
-            if fast and change is not None:
-                with self.clock(f"{kernel.name} (compiled)"):
-                    compiled.linearize(kernel, x, change)
-            else:
-                with self.clock(kernel.name):
-                    kernel.linearize(x, change)
-
-    @property
-    def convexity(self) -> float:
-        """Share of the indefinite part of the Hessian that is faded out; see :attr:`Kernel.convexity`."""
-        return self.kernels[0].convexity
-
-    @convexity.setter
-    def convexity(self, share: float) -> None:
-        for kernel in self.kernels:
-            kernel.convexity = share
 
     @property
     def history(self) -> tuple[Array | None, ...]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -19,7 +20,7 @@ class Unknowns:
     Ties are resolved into a leader and an offset for each displacement, so that several may pick the same unknown.
     """
 
-    def __init__(self, numbering: Numbering) -> None:
+    def __init__(self, numbering: Numbering, constraints: Sequence[Any]) -> None:
         self.dim = numbering.dim
         self.rest = numbering.rest
         dofs = self.rest.size
@@ -27,7 +28,6 @@ class Unknowns:
         fixed = np.zeros(dofs, dtype=bool)
         drive, held = np.zeros(dofs), np.zeros(dofs)
         owner: Index = np.full(dofs, -1)
-        constraints = numbering.model.constraints
         for position, item in enumerate(constraints):
             nodes = numbering.index(item.group)
             leaders = numbering.index(item.leaders)
@@ -44,7 +44,7 @@ class Unknowns:
                 else:
                     fixed[at] = True
             if item.clamp:  # the normals of clamped nodes keep their direction: their tips move along
-                base, tip = numbering.model.normals
+                base, tip = numbering.normals
                 of_group = np.isin(base, nodes)
                 for axis_number in range(self.dim):
                     leader[tip[of_group] * self.dim + axis_number] = base[of_group] * self.dim + axis_number
@@ -58,9 +58,8 @@ class Unknowns:
             leader[following] = leader[ahead]
             if np.any(leader[following] == following):
                 dof = int(following[leader[following] == following][0])
-                node = numbering.model.nodes[dof // self.dim]
                 axis = AXES[dof % self.dim]
-                raise ModelError(f"ties go round in a circle at {numbering.describe(node)} along {axis}")
+                raise ModelError(f"ties go round in a circle at {numbering.describe(dof // self.dim)} along {axis}")
         tied = np.flatnonzero(leader != np.arange(dofs))
         drive[tied] += drive[leader[tied]]
         held[tied] += held[leader[tied]]
@@ -78,18 +77,18 @@ class Unknowns:
 
     @staticmethod
     def _check_conflict(
-        at: Index, axis: str, item: Any, owner: Index, constraints: list[Any], numbering: Numbering
+        at: Index, axis: str, item: Any, owner: Index, constraints: Sequence[Any], numbering: Numbering
     ) -> None:
         clash = at[owner[at] >= 0]
         if clash.size:
-            node = numbering.model.nodes[int(clash[0]) // numbering.dim]
+            node = int(clash[0]) // numbering.dim
             raise ModelError(
                 f"{item!r} and {constraints[int(owner[clash[0]])]!r} both constrain {axis} of "
                 f"{numbering.describe(node)} ({clash.size} such in all): constrain each displacement once"
             )
         values, counts = np.unique(at, return_counts=True)
         if np.any(counts > 1):
-            node = numbering.model.nodes[int(values[counts > 1][0]) // numbering.dim]
+            node = int(values[counts > 1][0]) // numbering.dim
             raise ModelError(f"{item!r} lists {numbering.describe(node)} twice")
 
     def displacement(self, q: Array, lam: float) -> Array:

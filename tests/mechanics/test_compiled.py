@@ -8,14 +8,14 @@ import numpy as np
 import pytest
 
 import kirigami as kg
-from kirigami.elements import compiled
+from kirigami.system import assembly
 
 pytestmark = pytest.mark.skipif(importlib.util.find_spec("numba") is None, reason="numba is not installed")
 
 
 def wavy_sheet(monkeypatch: pytest.MonkeyPatch, by_loops: bool) -> kg.System:
     """A square sheet with an offset and two held edges; with or without compiled loops."""
-    monkeypatch.setattr(compiled, "MEMBERS", 1)
+    monkeypatch.setattr(assembly, "MEMBERS", 1)
     monkeypatch.setenv("KIRIGAMI_COMPILED", "1" if by_loops else "0")
     sheet = kg.Sheet([(0, 0), (1, 0), (1, 1), (0, 1)], thickness=0.01, material=kg.Material(E=1e6))
     m = kg.Model.from_mesh(sheet.mesh(max_edge=0.2))
@@ -23,7 +23,7 @@ def wavy_sheet(monkeypatch: pytest.MonkeyPatch, by_loops: bool) -> kg.System:
     m.perturb(0.05 * np.sin(5 * x) * np.cos(4 * y))
     m.add(kg.Fix(m.select(boundary="bottom")), kg.Prescribe(m.select(boundary="top"), y=0.1))
     system = kg.System(m)
-    assert all(system.compiled) is by_loops
+    assert all(system.twins) is by_loops
     return system
 
 
@@ -36,11 +36,11 @@ def test_forces_and_blocks_agree(monkeypatch: pytest.MonkeyPatch, convexity: flo
         system = wavy_sheet(monkeypatch, by_loops)
         u = 0.05 * np.random.default_rng(1).normal(size=system.rest.shape)
         system.commit(0.5 * u)  # angles are counted from the last committed state
-        if mixed:
-            system.linearize(u, 0.1 * np.random.default_rng(2).normal(size=u.shape))
-        system.convexity = convexity
+        ahead = (u, 0.1 * np.random.default_rng(2).normal(size=u.shape)) if mixed else None
+        tangent = kg.Tangent(convexity, ahead)
         forces, scale = system.forces(u, 0.5)
-        found.append((forces, scale, system.stiffness_blocks(u, 0.5), system.stiffness(u, 0.5).toarray()))
+        blocks = system.stiffness_blocks(u, 0.5, tangent)
+        found.append((forces, scale, blocks, system.matrix(blocks).toarray()))
     for plain, loops in zip(*found):
         assert np.abs(loops - plain).max() < 1e-13 * np.abs(plain).max()
     tangent, change = found[1][3], rng.normal(size=found[1][3].shape[0])
@@ -58,7 +58,7 @@ def test_forces_and_blocks_agree(monkeypatch: pytest.MonkeyPatch, convexity: flo
 
 def test_turned_hinges_keep_count_of_their_turns(monkeypatch: pytest.MonkeyPatch) -> None:
     """An angle beyond half a turn has the moment of that angle, not of the angle less one turn."""
-    monkeypatch.setattr(compiled, "MEMBERS", 1)
+    monkeypatch.setattr(assembly, "MEMBERS", 1)
     monkeypatch.setenv("KIRIGAMI_COMPILED", "1")
     m = kg.Model()
     i, j, k, l = m.add(kg.Node(0.5, 1), kg.Node(0, 0), kg.Node(1, 0), kg.Node(0.5, -1))

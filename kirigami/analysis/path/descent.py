@@ -24,7 +24,7 @@ import numpy as np
 from kirigami.analysis.path.newton import ROTATION_CAP
 from kirigami.analysis.path.points import Attempt, State
 from kirigami.linalg import Factor, SingularMatrixError, inverse_iteration
-from kirigami.primitives.kernel import Array
+from kirigami.primitives.kernel import Ahead, Array, Tangent
 from kirigami.system.system import System
 
 CHORD_GAIN = 0.5  # a chord step must at least halve the residual to be kept
@@ -98,13 +98,13 @@ def descend(
     max_iterations: int,
     strategy: Strategy,
     on_iteration: Callable[[], None] = lambda: None,
+    ahead: Ahead = None,
 ) -> Attempt:
-    """Iterate downhill from `start`, at its load factor, to a stable equilibrium."""
-    try:
-        return _Descent(system, factorize, start, tol, strategy).run(max_iterations, on_iteration)
-    finally:
-        system.linearize(None)
-        system.convexity = 0.0
+    """Iterate downhill from `start`, at its load factor, to a stable equilibrium.
+
+    `ahead` is the linear step that led to `start`: displacements and their change, see :class:`kirigami.Tangent`.
+    """
+    return _Descent(system, factorize, start, tol, strategy, ahead).run(max_iterations, on_iteration)
 
 
 class _Descent:
@@ -117,10 +117,12 @@ class _Descent:
         start: State,
         tol: float,
         strategy: Strategy,
+        ahead: Ahead,
     ) -> None:
         self.system, self.factorize, self.tol, self.strategy = system, factorize, tol, strategy
         self.q, self.lam, self.u = start.q.copy(), start.lam, start.u
         self.amount = 0.0
+        self.ahead = ahead  # the last linear step, whose stress the next tangent takes
         self.residual, self.relative = np.zeros(0), 0.0
         self.history: list[float] = []
         self.left: tuple[State, Array, Factor] | None = None
@@ -160,7 +162,7 @@ class _Descent:
             raise SingularMatrixError("the correction is not finite")
         if turn > ROTATION_CAP:
             step, change = (ROTATION_CAP / turn) * step, (ROTATION_CAP / turn) * change
-        self.system.linearize(self.u, change)
+        self.ahead = self.u, change
         self._move(step)
         self._balance()
         for _ in range(self.strategy.chords):
@@ -181,9 +183,8 @@ class _Descent:
 
     def _blocks(self) -> Array:
         if self.strategy.means == "fade":
-            self.system.convexity = self.amount
-            return self.system.stiffness_blocks(self.u, self.lam)
-        blocks = self.system.stiffness_blocks(self.u, self.lam)
+            return self.system.stiffness_blocks(self.u, self.lam, Tangent(self.amount, self.ahead))
+        blocks = self.system.stiffness_blocks(self.u, self.lam, Tangent(ahead=self.ahead))
         plan = self.system.plan
         own = np.flatnonzero(plan.low == plan.high)
         axes = np.arange(self.system.dim)
@@ -203,15 +204,14 @@ class _Descent:
             residual, relative = self.system.imbalance(self.u + change, self.lam)
         if not relative < CHORD_GAIN * self.relative:
             return False
-        self.system.linearize(self.u, change)
+        self.ahead = self.u, change
         self._move(step)
         self.residual, self.relative = residual, relative
         return True
 
     def _exact(self) -> tuple[Array, Factor]:
         """The exact tangent and its factor."""
-        self.system.linearize(None)
-        self.system.convexity = 0.0
+        self.ahead = None  # what follows is measured at an equilibrium
         blocks = self.system.stiffness_blocks(self.u, self.lam)
         return blocks, self.factorize(blocks)
 

@@ -24,7 +24,7 @@ import numpy as np
 from kirigami.analysis.path.controls import Control
 from kirigami.analysis.path.points import Attempt, State
 from kirigami.linalg import Factor, SingularMatrixError
-from kirigami.primitives.kernel import Array
+from kirigami.primitives.kernel import Ahead, Array, Tangent
 from kirigami.system.system import System
 
 ROTATION_CAP = 0.3  # largest turn of a member in one correction [rad]
@@ -39,23 +39,13 @@ def correct(
     tol: float,
     max_iterations: int,
     on_iteration: Callable[[], None] = lambda: None,
+    ahead: Ahead = None,
 ) -> Attempt:
-    """Newton iterations from `start` until equilibrium and control hold."""
-    try:
-        return _iterate(system, factorize, control, start, tol, max_iterations, on_iteration)
-    finally:
-        system.linearize(None)
+    """Newton iterations from `start` until equilibrium and control hold.
 
-
-def _iterate(
-    system: System,
-    factorize: Callable[[Array], Factor],
-    control: Control,
-    start: State,
-    tol: float,
-    max_iterations: int,
-    on_iteration: Callable[[], None],
-) -> Attempt:
+    `ahead` is the linear step that led to `start`: displacements and their change, see :class:`kirigami.Tangent`.
+    """
+    tangent = Tangent(ahead=ahead)
     q, lam, u = start.q.copy(), start.lam, start.u
     history: list[float] = []
     for iteration in range(max_iterations + 1):
@@ -76,7 +66,7 @@ def _iterate(
         if _hopeless(history):
             return failed("the residual does not fall")
         try:
-            blocks = system.stiffness_blocks(u, lam)
+            blocks = system.stiffness_blocks(u, lam, tangent)
             factor = factorize(blocks)
             with system.clock("solve"):
                 step_q = -factor.solve(residual) if relative > 0 else np.zeros_like(residual)
@@ -97,7 +87,7 @@ def _iterate(
         if turn > ROTATION_CAP:
             shortened = ROTATION_CAP / turn
             step_q, step_lam, change = shortened * step_q, shortened * step_lam, shortened * change
-        system.linearize(u, change)
+        tangent = Tangent(ahead=(u, change))
         q, lam = q + step_q, lam + step_lam
         u = system.displacement(q, lam)
         on_iteration()

@@ -15,7 +15,7 @@ from kirigami.analysis.path.newton import correct
 from kirigami.analysis.path.points import Attempt, Point, State, Tangent
 from kirigami.analysis.path.settings import PathSettings
 from kirigami.linalg import Factor, SingularMatrixError
-from kirigami.primitives.kernel import Array
+from kirigami.primitives.kernel import Ahead, Array
 
 MAX_ITERATIONS = 14
 MAX_RELAXATION = 120
@@ -82,8 +82,7 @@ class PathRun(Run):
         state, change = predicted
         if system.largest_rotation(change) > PREDICTED_TURN:
             return Attempt(before.state, False, float("inf"), 0, [], "the increment turns members too far")
-        system.linearize(before.state.u, change)
-        attempt = self.correct(self.control, state)
+        attempt = self.correct(self.control, state, (before.state.u, change))
         attempt.iterations += 1
         attempt.drift = system.largest_rotation(attempt.state.u - state.u)
         if attempt.converged and attempt.drift > DRIFT_LARGEST:
@@ -107,8 +106,7 @@ class PathRun(Run):
             q = before.state.q
             state = State(q, state.lam, system.displacement(q, state.lam))
             change = state.u - before.state.u
-        system.linearize(before.state.u, change)
-        attempt = self.descend(state)
+        attempt = self.descend(state, (before.state.u, change))
         attempt.iterations += 1
         attempt.drift = system.largest_rotation(attempt.state.u - state.u)
         attempt.relaxed = attempt.drift > DRIFT_LARGEST
@@ -121,15 +119,15 @@ class PathRun(Run):
         self.results.stats["relaxations"] += int(attempt.relaxed or strategy.newton_first)
         return attempt
 
-    def correct(self, control: Control, state: State) -> Attempt:
-        """Correct a state by Newton's method under any control."""
+    def correct(self, control: Control, state: State, ahead: Ahead = None) -> Attempt:
+        """Correct a state, which a linear step `ahead` may have led to, by Newton's method under any control."""
         tol, count = self.settings.tol, self.count_iteration
-        return correct(self.system, self.factorize_blocks, control, state, tol, MAX_ITERATIONS, count)
+        return correct(self.system, self.factorize_blocks, control, state, tol, MAX_ITERATIONS, count, ahead)
 
-    def descend(self, state: State) -> Attempt:
+    def descend(self, state: State, ahead: Ahead = None) -> Attempt:
         """Run downhill from a state, at its load factor, by the means of the corrector that was chosen."""
         strategy, tol, count = CORRECTORS[self.settings.corrector], self.settings.tol, self.count_iteration
-        return descend(self.system, self.factorize_blocks, state, tol, MAX_RELAXATION, strategy, count)
+        return descend(self.system, self.factorize_blocks, state, tol, MAX_RELAXATION, strategy, count, ahead)
 
     def tangent_at(self, attempt: Attempt) -> Tangent | None:
         """The exact tangent at a converged state; None where the attempt failed or the tangent is singular."""

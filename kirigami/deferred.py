@@ -1,0 +1,45 @@
+"""Methods that are functions of another package, imported when they are called."""
+
+from __future__ import annotations
+
+import importlib
+from collections.abc import Callable
+from typing import Any
+
+
+def deferred(target: str, static: bool = False) -> Any:
+    """A method by the name of the function that does its work, such as ``deferred("kirigami.io.table:to_csv")``.
+
+    What a class can do is then written where the class is, while the package that does it, and the library that
+    package needs, are imported on first use only. Asked of the class, the method is the function itself: help,
+    signature and documentation are its own.
+
+    Parameters
+    ----------
+    target : str
+        Module and function, joined by a colon. The function takes the object as its first argument.
+    static : bool
+        True for alternative constructors, whose function takes no object.
+
+    Examples
+    --------
+    >>> import inspect, kirigami as kg
+    >>> list(inspect.signature(kg.Results.to_csv).parameters)
+    ['results', 'path', 'reactions']
+    """
+    return _Deferred(target, static)
+
+
+class _Deferred:
+    def __init__(self, target: str, static: bool) -> None:
+        self.target = target
+        self.static = static
+
+    def __get__(self, instance: Any, owner: type) -> Any:
+        module, name = self.target.split(":")
+        function: Callable[..., Any] = getattr(importlib.import_module(module), name)
+        return function if self.static or instance is None else function.__get__(instance, owner)
+
+    def __call__(self, *args: Any, **options: Any) -> Any:
+        """The function itself, where it stands in a module instead of a class."""
+        return self.__get__(None, type(self))(*args, **options)
