@@ -32,6 +32,7 @@ _HOME = {
     "Kernel": "primitives.kernel",
     "Contribution": "primitives.kernel",
     "Tangent": "primitives.kernel",
+    "displacement_of": "primitives.kernel",
     "ModelObject": "primitives.parts",
     "Numbering": "primitives.parts",
     "Contact": "effects.contact",
@@ -125,6 +126,7 @@ if TYPE_CHECKING:
     from kirigami.primitives.kernel import Contribution as Contribution
     from kirigami.primitives.kernel import Kernel as Kernel
     from kirigami.primitives.kernel import Tangent as Tangent
+    from kirigami.primitives.kernel import displacement_of as displacement_of
     from kirigami.primitives.material import Material as Material
     from kirigami.primitives.node import Node as Node
     from kirigami.primitives.parts import ModelObject as ModelObject

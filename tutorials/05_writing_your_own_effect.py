@@ -17,9 +17,6 @@ import numpy as np
 from scipy.optimize import brentq
 
 import kirigami as kg
-from kirigami.primitives.kernel import Array, Contribution, Kernel, displacement_of
-from kirigami.primitives.node import Node
-from kirigami.primitives.parts import ModelObject, Numbering
 
 # %% [markdown]
 # ## The file
@@ -34,43 +31,41 @@ from kirigami.primitives.parts import ModelObject, Numbering
 # as a whole costs energy, and `name` is the key under which energy and seconds are reported. With
 # the imports above and saved as `bed.py`, the next cell is a complete extension: nothing has to be registered.
 
-
-
 # %%
 @dataclass(frozen=True, eq=False)
-class Bed(ModelObject):
+class Bed(kg.ModelObject):
     """An elastic bed under a whole sheet; `stiffness` is force per volume, pressure per displacement along z."""
 
     kind: ClassVar[str] = "effect"
-    group: tuple[Node, ...]
+    group: tuple[kg.Node, ...]
     stiffness: float
 
     @property
-    def nodes(self) -> tuple[Node, ...]:
+    def nodes(self) -> tuple[kg.Node, ...]:
         return self.group
 
     @classmethod
-    def lower(cls, objects: list[Bed], numbering: Numbering) -> list[Kernel]:
-        mesh = numbering.model.mesh
+    def lower(cls, objects: list[Bed], numbering: kg.Numbering) -> list[kg.Kernel]:
+        mesh = numbering.mesh
         share = mesh.facet_areas / 3
         return [BedKernel(numbering.rest, mesh.triangles, bed.stiffness * share) for bed in objects]
 
 
-class BedKernel(Kernel):
+class BedKernel(kg.Kernel):
     name = "bed"
     pairs = ((0, 0), (1, 1), (2, 2))
     anchored = True
 
-    def __init__(self, rest: Array, conn: np.ndarray, stiffness: Array) -> None:
+    def __init__(self, rest: np.ndarray, conn: np.ndarray, stiffness: np.ndarray) -> None:
         self.rest, self.conn, self.stiffness = rest, conn, stiffness[:, None]  # one row for each facet
 
-    def evaluate(self, x: Array, lam: float = 1.0, need: int = 2) -> Contribution:
-        w = displacement_of(x, self.rest)[self.conn, 2]  # (facets, 3 corners)
+    def evaluate(self, x: np.ndarray, lam: float = 1.0, need: int = 2) -> kg.Contribution:
+        w = kg.displacement_of(x, self.rest)[self.conn, 2]  # (facets, 3 corners)
         gradient = np.zeros((*w.shape, 3))
         gradient[..., 2] = self.stiffness * w
         hessian = np.zeros((*w.shape, 3, 3))
         hessian[..., 2, 2] = self.stiffness
-        return Contribution((self.stiffness * w**2 / 2).sum(axis=1), gradient, hessian)
+        return kg.Contribution((self.stiffness * w**2 / 2).sum(axis=1), gradient, hessian)
 
 
 # %% [markdown]

@@ -37,7 +37,21 @@ class Configuration(np.ndarray[Any, np.dtype[np.float64]]):
 
 
 def displacement_of(x: ArrayLike, rest: Array) -> Array:
-    """Displacement (n, dim) of positions `x` from `rest`, exact where `x` is a Configuration."""
+    """Displacement (n, dim) of positions `x` from `rest`: exact where a system hands the positions over.
+
+    Parameters
+    ----------
+    x : array_like, shape (n, dim)
+        Positions, as :meth:`Kernel.evaluate` is given them.
+    rest : ndarray, shape (n, dim)
+        Positions in the rest state, as :class:`Numbering` holds them.
+
+    Examples
+    --------
+    >>> import numpy as np, kirigami as kg
+    >>> kg.displacement_of([[1.5, 0.0]], np.array([[1.0, 0.0]]))
+    array([[0.5, 0. ]])
+    """
     stored = getattr(x, "displacement", None)
     return np.asarray(x, dtype=float) - rest if stored is None else stored
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Iterable, Sequence
 from typing import Any, ClassVar
 
@@ -107,6 +108,12 @@ class Numbering:
         self.size = float(np.linalg.norm(np.ptp(rest, axis=0))) or 1.0
         self.kernels: list[Kernel] = []  # what has been lowered so far: elements come before what acts on them
         self._index = {id(node): position for position, node in enumerate(self.nodes)}
+
+    @property
+    def model(self) -> Numbering:
+        """Old way to ``mesh`` and ``nodes``, which stand on the numbering itself."""
+        warnings.warn("numbering.model is now numbering itself: numbering.mesh", DeprecationWarning, stacklevel=2)
+        return self
 
     def index(self, nodes: Iterable[Node]) -> NDArray[np.int64]:
         """Indices of nodes."""
