@@ -66,7 +66,7 @@ def write_drawing(item: Any, path: str | os.PathLike[str], unit: str = "m") -> P
 
     Examples
     --------
-    >>> import tempfile, shapely
+    >>> import tempfile, shapely, kirigami as kg
     >>> plate = kg.Sheet(shapely.box(0, 0, 1, 1))
     >>> write_drawing(plate, Path(tempfile.mkdtemp()) / "plate.geojson").name
     'plate.geojson'
@@ -85,10 +85,18 @@ def _of_format(verb: str, path: str | os.PathLike[str]) -> Callable[..., Any]:
     return found
 
 
-def sheet_from_dxf(
-    path: str | os.PathLike[str], thickness: float | None = None, material: Material | None = None, **options: Any
-) -> Sheet:
-    """Read a sheet from a DXF drawing of any version.
+def _sheet_reader(name: str, kind: str) -> Callable[..., Sheet]:
+    """The function behind ``Sheet.from_...`` for one format of drawings."""
+
+    def read(
+        path: str | os.PathLike[str], thickness: float | None = None, material: Material | None = None, **options: Any
+    ) -> Sheet:
+        function = getattr(importlib.import_module(f"kirigami.drawing.{name}"), f"read_{name}")
+        sheet: Sheet = function(path, **options).sheet(thickness, material)
+        return sheet
+
+    read.__name__ = f"from_{name}"
+    read.__doc__ = f"""Read a sheet from {kind}.
 
     Parameters
     ----------
@@ -99,125 +107,27 @@ def sheet_from_dxf(
     material : Material, optional
         Of the sheet.
     **options
-        Of :func:`kirigami.drawing.dxf.read_dxf`: layers of outline, cuts and folds, units, tolerances.
+        Of :func:`kirigami.drawing.{name}.read_{name}`: roles of the lines, units, tolerances.
 
     Raises
     ------
     GeometryError
         The drawing cannot be read, or has no closed outline.
     KirigamiError
-        ezdxf is not installed.
+        The library that reads it is not installed.
 
     Examples
     --------
     >>> import kirigami as kg, pathlib, shapely, tempfile
-    >>> path = pathlib.Path(tempfile.mkdtemp()) / "plate.dxf"
-    >>> file = kg.Sheet(shapely.box(0, 0, 0.2, 0.1), [[(0.05, 0.05), (0.15, 0.05)]]).to_dxf(path)
-    >>> kg.Sheet.from_dxf(file, thickness=1e-4, cuts="CUTS")
+    >>> plate = kg.Sheet(shapely.box(0, 0, 0.2, 0.1), [[(0.05, 0.05), (0.15, 0.05)]])
+    >>> file = plate.to_{name}(pathlib.Path(tempfile.mkdtemp()) / "plate.{name}")
+    >>> kg.Sheet.from_{name}(file)
     Sheet(0.2 x 0.1, area 0.02, 1 slit, 0 openings)
     """
-    from kirigami.drawing.dxf import read_dxf
-
-    return read_dxf(path, **options).sheet(thickness, material)
+    return read
 
 
-def sheet_from_svg(
-    path: str | os.PathLike[str], thickness: float | None = None, material: Material | None = None, **options: Any
-) -> Sheet:
-    """Read a sheet from an SVG drawing.
-
-    Parameters
-    ----------
-    path : path
-        The file.
-    thickness : float, optional
-        Thickness, in the unit of the sheet [m].
-    material : Material, optional
-        Of the sheet.
-    **options
-        Of :func:`kirigami.drawing.svg.read_svg`: layers or colours of outline, cuts and folds, units, tolerances.
-
-    Raises
-    ------
-    GeometryError
-        The drawing cannot be read, or has no closed outline.
-    KirigamiError
-        svgelements is not installed.
-
-    Examples
-    --------
-    >>> import kirigami as kg, pathlib, shapely, tempfile
-    >>> path = pathlib.Path(tempfile.mkdtemp()) / "plate.svg"
-    >>> file = kg.Sheet(shapely.box(0, 0, 0.2, 0.1), [[(0.05, 0.05), (0.15, 0.05)]]).to_svg(path)
-    >>> kg.Sheet.from_svg(file, cuts="red")
-    Sheet(0.2 x 0.1, area 0.02, 1 slit, 0 openings)
-    """
-    from kirigami.drawing.svg import read_svg
-
-    return read_svg(path, **options).sheet(thickness, material)
-
-
-def sheet_from_geojson(
-    path: str | os.PathLike[str], thickness: float | None = None, material: Material | None = None, **options: Any
-) -> Sheet:
-    """Read a sheet from GeoJSON features or geometries.
-
-    Parameters
-    ----------
-    path : path
-        The file.
-    thickness : float, optional
-        Thickness, in the unit of the sheet [m].
-    material : Material, optional
-        Of the sheet.
-    **options
-        Of :func:`kirigami.drawing.geojson.read_geojson`: roles of the features, units, tolerance.
-
-    Raises
-    ------
-    GeometryError
-        The file cannot be read, or has no closed outline.
-
-    Examples
-    --------
-    >>> import kirigami as kg, pathlib, shapely, tempfile
-    >>> file = kg.Sheet(shapely.box(0, 0, 2, 1)).to_geojson(pathlib.Path(tempfile.mkdtemp()) / "plate.geojson")
-    >>> kg.Sheet.from_geojson(file)
-    Sheet(2 x 1, area 2, 0 slits, 0 openings)
-    """
-    from kirigami.drawing.geojson import read_geojson
-
-    return read_geojson(path, **options).sheet(thickness, material)
-
-
-def sheet_from_fold(
-    path: str | os.PathLike[str], thickness: float | None = None, material: Material | None = None, **options: Any
-) -> Sheet:
-    """Read a sheet from the crease pattern of a FOLD file.
-
-    Parameters
-    ----------
-    path : path
-        The file.
-    thickness : float, optional
-        Thickness, in the unit of the sheet [m].
-    material : Material, optional
-        Of the sheet.
-    **options
-        Of :func:`kirigami.drawing.fold.read_fold`: which creases are folds, units, tolerance.
-
-    Raises
-    ------
-    GeometryError
-        The file cannot be read, or has no outline.
-
-    Examples
-    --------
-    >>> import kirigami as kg, pathlib, shapely, tempfile
-    >>> plate = kg.Sheet(shapely.box(0, 0, 2, 1), [[(0.5, 0.5), (1.5, 0.5)]])
-    >>> kg.Sheet.from_fold(plate.to_fold(pathlib.Path(tempfile.mkdtemp()) / "plate.fold"))
-    Sheet(2 x 1, area 2, 1 slit, 0 openings)
-    """
-    from kirigami.drawing.fold import read_fold
-
-    return read_fold(path, **options).sheet(thickness, material)
+sheet_from_dxf = _sheet_reader("dxf", "a DXF drawing of any version")
+sheet_from_svg = _sheet_reader("svg", "an SVG drawing")
+sheet_from_geojson = _sheet_reader("geojson", "GeoJSON features or geometries")
+sheet_from_fold = _sheet_reader("fold", "the crease pattern of a FOLD file")

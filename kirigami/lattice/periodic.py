@@ -17,6 +17,7 @@ from numpy.typing import ArrayLike, NDArray
 from kirigami.errors import MechanismError, ModelError
 from kirigami.model.constraints import Fix, Tie
 from kirigami.model.model import Model
+from kirigami.primitives.groups import first_of_group
 from kirigami.primitives.kernel import Array
 from kirigami.primitives.node import AXES
 from kirigami.results.results import Results
@@ -97,9 +98,7 @@ class PeriodicCell:
         part = position @ inverse
         cell = np.floor(part + 1e-6)
         wrapped = position - cell @ self.lattice
-        leader = np.arange(len(position))
-        for a, b in sorted(cKDTree(wrapped).query_pairs(self._near)):
-            leader[leader == leader[b]] = leader[a]
+        leader = first_of_group(len(position), cKDTree(wrapped).query_pairs(self._near, output_type="ndarray"))
         followers = np.flatnonzero(leader != np.arange(len(position)))
         steps = np.rint((position[followers] - position[leader[followers]]) @ inverse).astype(int)
         return np.column_stack([followers, leader[followers], steps])

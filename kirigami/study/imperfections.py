@@ -23,6 +23,7 @@ from kirigami.errors import KirigamiError, KirigamiWarning, ModelError
 from kirigami.model.model import Model
 from kirigami.primitives.checks import require_positive
 from kirigami.primitives.kernel import Array
+from kirigami.primitives.rigid import rigid_motions
 from kirigami.results.results import Results
 from kirigami.study.shapes import FLAT, ShapeSpace
 
@@ -216,10 +217,8 @@ def seeds(model: Model, n: int = 6) -> list[Array]:
 
 def _rigid_motions(rest: Array) -> Array:
     """Orthonormal basis (3 n, 6) of the rigid motions."""
-    arm = rest - rest.mean(axis=0)
-    moves = [np.broadcast_to(axis, rest.shape).ravel() for axis in np.eye(3)]
-    moves += [np.cross(axis, arm).ravel() for axis in np.eye(3)]
-    basis, values, _ = np.linalg.svd(np.array(moves).T, full_matrices=False)
+    moves = rigid_motions(rest)[0].reshape(-1, rest.size)
+    basis, values, _ = np.linalg.svd(moves.T, full_matrices=False)
     kept: Array = basis[:, values > 1e-9 * values.max()]
     return kept
 

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kirigami.model.model import Model
+from kirigami.primitives.groups import first_of_group
 from kirigami.primitives.kernel import Array
 
 FLAT = 1e-6  # height over size below which a sheet counts as flat
@@ -77,12 +78,11 @@ class ShapeSpace:
 
     def clusters(self, fields: list[Array], alike: float) -> NDArray[np.int64]:
         """Number of the cluster of each field: a chain of neighbours nearer than `alike` is one cluster."""
-        label = np.arange(len(fields))
-        for i in range(len(fields)):
-            for j in range(i):
-                if label[i] != label[j] and self.distance(fields[i], fields[j]) < alike:
-                    label[label == label[i]] = label[j]
-        return np.unique(label, return_inverse=True)[1].astype(np.int64)
+        near = [
+            (i, j) for i in range(len(fields)) for j in range(i) if self.distance(fields[i], fields[j]) < alike
+        ]
+        first = first_of_group(len(fields), np.array(near, dtype=np.int64).reshape(-1, 2))
+        return np.unique(first, return_inverse=True)[1].astype(np.int64)
 
 
 def _barycentric(corners: Array, points: Array) -> Array:

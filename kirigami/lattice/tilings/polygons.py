@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike
 
 from kirigami.errors import GeometryError
 from kirigami.lattice.tilings.tiling import Tiling, place_of
+from kirigami.primitives.groups import first_of_group
 
 
 def from_polygons(
@@ -57,11 +58,10 @@ def from_polygons(
     points = np.concatenate(shapes)
     owner = np.repeat(np.arange(len(shapes)), [len(shape) for shape in shapes])
     near = 1e-6 * float(np.ptp(points, axis=0).max()) if tolerance is None else tolerance
-    leader = np.arange(len(points))
     if joints is None:
-        for a, b in sorted(cKDTree(points).query_pairs(near)):
-            leader[leader == leader[b]] = leader[a]
+        leader = first_of_group(len(points), cKDTree(points).query_pairs(near, output_type="ndarray"))
     else:
+        leader = np.arange(len(points))
         for joint in np.asarray(joints, dtype=float).reshape(-1, 2):
             here = np.flatnonzero(np.linalg.norm(points - joint, axis=1) <= near)
             touched = len(set(owner[here].tolist()))
