@@ -18,247 +18,159 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any, ClassVar, NamedTuple
+from typing import Any, ClassVar
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-from kirigami.elements.shell_bending import (
-    AreaFrames,
-    Bending,
-    EdgeFrames,
-    angle_derivatives,
-    angle_second,
-    angles,
-    area_frames,
-    edge_frames,
-)
-from kirigami.elements.shell_geometry import EDGE_OF_POINT, Chart, facet_vectors
-from kirigami.elements.shell_membrane import Membrane
-from kirigami.elements.shell_rest import angle_scale, initial_directors
-from kirigami.primitives.kernel import Array, Contribution, Kernel, displacement_of
-
-CHUNK = 512  # facets whose Hessians are made at a time, so that they stay in the processor's cache
-SHARE = np.eye(3) + 1 / 3  # its square is 1 + the unit matrix: the mass of the barycentric coordinates
+from kirigami.elements.crease import Crease, folded_pairs
+from kirigami.elements.shell_kernel import ShellFacetKernel
+from kirigami.elements.shell_rest import numbered_edges
+from kirigami.elements.triangle import check_areas, plane_stress
+from kirigami.errors import ModelError
+from kirigami.primitives.checks import require_positive
+from kirigami.primitives.kernel import Array, Kernel
+from kirigami.primitives.material import Material
+from kirigami.primitives.node import Node
+from kirigami.primitives.parts import ModelObject, Numbering
 
 
-class ShellFacetKernel(Kernel):
-    """All shell facets; see the module's text for the formulas.
+@dataclass(frozen=True, slots=True, eq=False)
+class ShellFacet(ModelObject):
+    """Triangle of a thin elastic sheet that converges to shell theory: the element of ``stiffness="shell"``.
 
-    Local rows: three corners, the middles and then the angles of the edges 01, 12, 20. `forward` (n, 3) tells where a
-    facet runs along an edge in the direction in which the edge counts its angles; an angle row holds them at the two
-    Gauss points, times the length of the edge.
+    Parameters
+    ----------
+    i, j, k : Node
+        Corners, counter-clockwise seen from the side of the normal.
+    thickness : float
+        Sheet thickness [length].
+    material : Material
+        Elastic constants.
+    normals : array_like, shape (3, 3), optional
+        Normals of a curved rest surface at the corners, of any length. None takes the mean of the facets around a
+        corner, but not across an edge that is sharper than 30 degrees or a :class:`Crease`. They say how the edges
+        bulge; a flat sheet needs none.
+    section : array_like, shape (6, 6), optional
+        Stiffness of a sheet that is not isotropic: forces and moments per length (Nxx, Nyy, Nxy, Mxx, Myy, Mxy) by
+        strains and curvatures (exx, eyy, gxy, kxx, kyy, 2 kxy), symmetric and positive definite. None takes that of
+        `material`.
+    axis : array_like, shape (3,)
+        Direction whose projection on the facet is the first axis of `section`.
+
+    Raises
+    ------
+    ModelError
+        A repeated corner, a thickness that is not positive, normals or a section of a wrong shape or kind.
+
+    Examples
+    --------
+    >>> import kirigami as kg
+    >>> m = kg.Model()
+    >>> a, b, c = m.add(kg.Node(0, 0), kg.Node(1, 0), kg.Node(0, 1))
+    >>> facet = m.add(kg.ShellFacet(a, b, c, thickness=0.01, material=kg.Material(E=1e9)))
+    >>> print(m)
+    Model in 3D: 3 nodes, 1 ShellFacet
     """
 
-    name = "shell"
-    measures_displacement = True
+    kind: ClassVar[str] = "element"
+    i: Node
+    j: Node
+    k: Node
+    thickness: float
+    material: Material
+    normals: ArrayLike | None = None
+    section: ArrayLike | None = None
+    axis: ArrayLike = (1.0, 0.0, 0.0)
 
-    def __init__(
-        self,
-        rest: Array,
-        conn: NDArray[np.int64],
-        section: Array,
-        forward: NDArray[np.bool_],
-        members: NDArray[np.int64] | None = None,
-    ) -> None:
-        self.rest, self.conn, self.section, self.forward, self.members = rest, conn, section, forward, members
-        self._rest_vectors = facet_vectors(rest, conn)
-        self.chart = Chart(self._rest_vectors)
-        self._membrane = Membrane(self._rest_vectors, self.chart)
-        self._bending = Bending(self.chart)
-        self._angle_scale = angle_scale(self.chart, forward)  # (6, n): of the stored angles in the local ones
-        point = np.tile([0, 1], 3)
-        self._stored = np.where(forward[:, EDGE_OF_POINT].T, point[:, None], 1 - point[:, None])  # (6, n) of an edge's
-        self._angle_rows, self._edge = np.unique(conn[:, 6:], return_inverse=True)
-        self._edge = self._edge.reshape(-1, 3)[:, EDGE_OF_POINT].T  # (6, n)
-        frames = edge_frames(self._rest_vectors)
-        self._rest_directors = initial_directors(frames, self._edge, self._stored, len(self._angle_rows))
-        self._directors = self._rest_directors
-        self._rest_angles = angles(frames, self._local_directors())
-        self._rest_curvatures = self._bending.curvatures(self._rest_vectors, area_frames(self._rest_vectors))
-        self._force_ahead: Array | None = None
-
-    def arrays(self) -> dict[str, Any]:
-        return {name: getattr(self, name) for name in ("conn", "section", "forward", "members")}
-
-    # ---- directors: a gauge, moved along with the edges at every commit
+    def __post_init__(self) -> None:
+        corners = self.nodes
+        if not all(isinstance(corner, Node) for corner in corners) or len(set(map(id, corners))) < 3:
+            raise ModelError(f"ShellFacet on {corners}: give three different nodes as corners")
+        object.__setattr__(self, "thickness", require_positive(self.thickness, "thickness", "ShellFacet"))
+        if not isinstance(self.material, Material):
+            raise ModelError(f"ShellFacet on {corners}: material must be a Material, got {self.material!r}")
+        for name, shape in (("normals", (3, 3)), ("section", (6, 6)), ("axis", (3,))):
+            given = getattr(self, name)
+            if given is not None:
+                values = np.array(given, dtype=float)
+                if values.shape != shape or not np.isfinite(values).all():
+                    raise ModelError(f"ShellFacet on {corners}: {name} must hold {shape} finite numbers, got {given!r}")
+                values.flags.writeable = False
+                object.__setattr__(self, name, values)
+        if self.normals is not None and not np.linalg.norm(self.normals, axis=1).all():
+            raise ModelError(f"ShellFacet on {corners}: a normal has no length")
+        if self.section is not None:
+            S = np.asarray(self.section)
+            if not np.allclose(S, S.T, rtol=1e-9, atol=0) or np.linalg.eigvalsh(_scaled(S)).min() <= 0:
+                raise ModelError(f"ShellFacet on {corners}: section must be symmetric and positive definite")
 
     @property
-    def history(self) -> Array | None:
-        """Directors (edges, 2, 3) against which the angles of the edges are counted."""
-        return self._directors
+    def nodes(self) -> tuple[Node, ...]:
+        return (self.i, self.j, self.k)
 
-    @history.setter
-    def history(self, value: Array | None) -> None:
-        self._directors = self._rest_directors if value is None else value
+    @classmethod
+    def reserve(cls, objects: Sequence[ShellFacet], numbering: Numbering) -> None:
+        """Ask for the rows of the edges: offsets of their middles, and their angles."""
+        if numbering.dim == 2:
+            raise ModelError("ShellFacet bends, so it needs a model with dim=3; in a plane use stiffness='facet'")
+        triangles = numbering.connectivity(objects)
+        check_areas("ShellFacet", triangles, numbering)
+        given = [facet.normals for facet in objects]
+        numbering.edges = numbered_edges(numbering, triangles, given, folded_pairs(numbering.objects.get(Crease, ()), numbering))
 
-    def _local_directors(self) -> Array:
-        """Directors (6, 3, n) at the Gauss points of each facet."""
-        return self._directors[self._edge, self._stored].transpose(0, 2, 1)
-
-    def commit(self, x: Array) -> None:
-        frames = edge_frames(self._vectors(x)[0])
-        local = self._local_directors()
-        local = local - (local * frames.tangent).sum(axis=1, keepdims=True) * frames.tangent
-        local /= np.linalg.norm(local, axis=1, keepdims=True)
-        directors = self._directors.copy()
-        directors[self._edge, self._stored] = local.transpose(0, 2, 1)  # the same from either facet
-        self._directors = directors
-
-    # ---- measures
-
-    def _vectors(self, x: Array) -> tuple[Array, Array]:
-        """The vectors v (5, 3, n) and their change from rest."""
-        change = facet_vectors(displacement_of(x, self.rest), self.conn)
-        return self._rest_vectors + change, change
-
-    def _edge_angles(self, x: Array) -> Array:
-        """Angles alpha (6, n) of the edges in the local direction and order."""
-        return np.asarray(x)[self.conn[:, 6:].T[EDGE_OF_POINT], self._stored] * self._angle_scale
-
-    def _fields(self, x: Array) -> Array:
-        """Strain and curvature (n, 3, 6) at the corners: (exx, eyy, gamma, kxx, kyy, 2 kxy)."""
-        vectors, change = self._vectors(x)
-        stretch = self._membrane.measures(change)
-        jump = angles(edge_frames(vectors), self._local_directors()) - self._rest_angles - self._edge_angles(x)
-        jump -= 2 * np.pi * np.round(jump / (2 * np.pi))
-        bent = self._bending.curvatures(vectors, area_frames(vectors)) - self._rest_curvatures
-        fields = np.empty((len(self.conn), 3, 6))
-        fields[..., :3] = _apply(self._membrane.to_strain, stretch)
-        fields[..., 3:] = _apply(self._bending.to_curvature, np.concatenate([bent, jump]))
-        return fields
-
-    def _resultants(self, fields: Array) -> Array:
-        """Derivatives (n, 3, 6) of the energy by strain and curvature at the corners."""
-        weighted = fields @ self.section
-        weighted += weighted.sum(axis=1, keepdims=True)
-        return np.asarray(weighted * (self.chart.area / 12)[:, None, None])
-
-    def deformation(self, x: Array) -> Array:
-        """Mean strain and curvature of each facet (n, 6): (exx, eyy, gamma_xy, kxx, kyy, 2 kxy), the first axis along
-        the edge from corner i to j."""
-        return np.asarray(self._fields(x).mean(axis=1))
-
-    def corner_deformation(self, x: Array) -> Array:
-        """Strain and curvature (n, 3, 6) at the corners of each facet, in the axes of :meth:`deformation`."""
-        return self._fields(x)
-
-    def force(self, deformation: Array) -> Array:
-        """Forces and moments per length (n, 6): (Nxx, Nyy, Nxy, Mxx, Myy, Mxy) of a deformation (n, 6)."""
-        return np.asarray(np.einsum("nab,nb->na", self.section, deformation))
-
-    def linearize(self, x: Array, change: Array | None) -> None:
-        if change is None:
-            self._force_ahead = None
-            return
-        vectors, moved = self._vectors(x)
-        rate = np.empty((9, len(self.conn)))
-        ahead = facet_vectors(change, self.conn)
-        for start in range(0, len(self.conn), CHUNK):
-            part = slice(start, start + CHUNK)
-            chain = self._membrane.derivatives(vectors[..., part], part)
-            rate[:, part] = np.einsum("mpan,pan->mn", chain, ahead[..., part])
-        fields = self._fields(x)
-        fields[..., :3] = _apply(self._membrane.to_strain, self._membrane.measures(moved) + rate)
-        self._force_ahead = _pull_back(self._membrane.to_strain, self._resultants(fields)[..., :3])
-
-    # ---- energy and derivatives
-
-    def evaluate(self, x: Array, lam: float = 1.0, need: int = 2) -> Contribution:
-        fields = self._fields(x)
-        resultants = self._resultants(fields)
-        energy = 0.5 * (fields * resultants).sum(axis=(1, 2))
-        if need == 0:
-            return Contribution(energy)
-        n = len(energy)
-        pull = _pull_back(self._membrane.to_strain, resultants[..., :3])
-        bend = _pull_back(self._bending.to_curvature, resultants[..., 3:])
-        vectors = self._vectors(x)[0]
-        directors = self._local_directors()
-        gradient = np.empty((n, 9, 3))
-        hessian = np.empty((n, 9, 9, 3, 3)) if need == 2 else None
-        for start in range(0, n, CHUNK):
-            part = slice(start, start + CHUNK)
-            v = vectors[..., part]
-            state = _State(v, area_frames(v), edge_frames(v), directors[..., part], part)
-            membrane, bending = self._chains(state)
-            local = np.einsum("mzn,mn->nz", membrane, pull[:, part])
-            local = np.concatenate([local, np.zeros((len(local), 9))], axis=1)
-            local += np.einsum("mzn,mn->nz", bending, bend[:, part])
-            gradient[part] = _to_rows(local)
-            if hessian is not None:
-                hessian[part] = self._hessian(state, membrane, bending, pull[:, part], bend[:, part])
-        return Contribution(energy, gradient, hessian)
-
-    def _chains(self, state: _State) -> tuple[Array, Array]:
-        """First derivatives of the membrane measures by v, (9, 15, m), and of the bending measures by v and the stored
-        angles, (15, 24, m)."""
-        m = state.vectors.shape[-1]
-        membrane = self._membrane.derivatives(state.vectors, state.part).reshape(9, 15, m)
-        bending = np.zeros((15, 24, m))
-        inside = self._bending.curvature_derivatives(state.vectors, state.area, state.part)
-        bending[:9, :15] = inside.reshape(9, 15, m)
-        bending[9:, :15] = angle_derivatives(state.edges, state.directors).reshape(6, 15, m)
-        point, facet = np.indices((6, m))
-        column = 15 + 3 * EDGE_OF_POINT[:, None] + self._stored[:, state.part]
-        bending[9 + point, column, facet] = -self._angle_scale[:, state.part]
-        return membrane, bending
-
-    def _hessian(self, state: _State, membrane: Array, bending: Array, pull: Array, bend: Array) -> Array:
-        part, m = state.part, membrane.shape[-1]
-        exact = 1.0 - self.convexity
-        rows = np.zeros((m, 3, 6, 24))
-        rows[:, :, :3, :15] = (self._membrane.to_strain[part] @ membrane.transpose(2, 0, 1)).reshape(m, 3, 3, 15)
-        rows[:, :, 3:] = (self._bending.to_curvature[part] @ bending.transpose(2, 0, 1)).reshape(m, 3, 3, 24)
-        rows = (SHARE @ rows.reshape(m, 3, -1)).reshape(m, 3, 6, 24)
-        stiff = (self.section[part] * (self.chart.area[part] / 12)[:, None, None])[:, None] @ rows
-        total = rows.reshape(m, 18, 24).transpose(0, 2, 1) @ stiff.reshape(m, 18, 24)
-        if self._force_ahead is not None:
-            pull = self._force_ahead[:, part]
-        form = self._membrane.second_derivatives(exact * pull, part)
-        if self.convexity:
-            form += self.convexity * self._membrane.tension_form(pull, part)
-        curved = (form.reshape(25, m)[:, None, None] * np.eye(3)[:, :, None]).reshape(25, 3, 3, m)
-        if exact:
-            bend = exact * bend
-            curved += self._bending.curvature_second(bend[:9], state.vectors, state.area, part)
-            curved += angle_second(bend[9:], state.edges, state.directors)
-        total[:, :15, :15] += curved.reshape(5, 5, 3, 3, m).transpose(4, 0, 2, 1, 3).reshape(m, 15, 15)
-        return _to_blocks(total)
+    @classmethod
+    def lower(cls, objects: Sequence[ShellFacet], numbering: Numbering) -> list[Kernel]:
+        edges = numbering.edges
+        assert edges is not None
+        conn = np.concatenate([edges.triangles, edges.middle[edges.edge], edges.angle], axis=1)
+        sections = section_matrices(objects, numbering.rest[edges.triangles])
+        density = np.array([(f.material.density or np.nan) * f.thickness for f in objects])
+        return [ShellFacetKernel(numbering.rest, conn, sections, edges.forward, density)]
 
 
-class _State(NamedTuple):
-    """A chunk of facets: vectors v, frames and directors, and which facets they are."""
-
-    vectors: Array
-    area: AreaFrames
-    edges: EdgeFrames
-    directors: Array
-    part: slice
-
-
-def _apply(matrix: Array, measures: Array) -> Array:
-    """Fields (n, 3, 3) at the corners, of measures (k, n), by matrices (n, 9, k)."""
-    return np.asarray((matrix @ measures.T[:, :, None]).reshape(-1, 3, 3))
+def isotropic_section(thickness: float, material: Material) -> Array:
+    """Section matrix (6, 6) of a homogeneous isotropic sheet: A = t C, D = t^3 / 12 C, B = 0."""
+    section = np.zeros((6, 6))
+    elasticity = material.E * plane_stress(material.nu)
+    section[:3, :3] = thickness * elasticity
+    section[3:, 3:] = thickness**3 / 12 * elasticity
+    return section
 
 
-def _pull_back(matrix: Array, resultants: Array) -> Array:
-    """Derivatives (k, n) of the energy by the measures, of those by the fields at the corners (n, 3, 3)."""
-    return np.asarray((resultants.reshape(-1, 1, 9) @ matrix)[:, 0].T)
+def section_matrices(objects: Sequence[Any], corners: Array) -> Array:
+    """Section matrices (n, 6, 6) of facets with `corners` (n, 3, 3), first axis along the edge from corner i to j."""
+    known: dict[tuple[float, Material], Array] = {}
+    sections = np.empty((len(objects), 6, 6))
+    for position, facet in enumerate(objects):
+        if facet.section is not None:
+            sections[position] = turned_section(facet.section, facet.axis, corners[position])
+            continue
+        key = (facet.thickness, facet.material)
+        if key not in known:
+            known[key] = isotropic_section(*key)
+        sections[position] = known[key]
+    return sections
 
 
-def _to_rows(local: Array) -> Array:
-    """From derivatives (n, 24) by the vectors v and the stored angles to those by the rows, (n, 9, 3)."""
-    rows = np.empty((len(local), 9, 3))
-    rows[:, 1:] = local.reshape(-1, 8, 3)
-    rows[:, 0] = -rows[:, 1] - rows[:, 2]
-    return rows
+def turned_section(section: ArrayLike, axis: ArrayLike, corners: Array) -> Array:
+    """A section matrix (6, 6) in the axes of a facet, from those whose first is the projection of `axis` on it."""
+    along = corners[1] - corners[0]
+    along = along / np.linalg.norm(along)
+    normal = np.cross(along, corners[2] - corners[0])
+    normal /= np.linalg.norm(normal)
+    direction = np.asarray(axis, dtype=float)
+    first = direction - (direction @ normal) * normal
+    if np.linalg.norm(first) < 1e-6 * np.linalg.norm(direction):
+        raise ModelError(f"ShellFacet with corners {corners.tolist()}: its section's axis stands on it; give another")
+    angle = np.arctan2(np.cross(along, first) @ normal, along @ first)  # from the facet's axis to the section's
+    c, s = np.cos(angle), np.sin(angle)
+    turn = np.array([[c * c, s * s, c * s], [s * s, c * c, -c * s], [-2 * c * s, 2 * c * s, c * c - s * s]])
+    both = np.kron(np.eye(2), turn)
+    return np.asarray(both.T @ np.asarray(section) @ both)
 
 
-def _to_blocks(local: Array) -> Array:
-    """The same for second derivatives (n, 24, 24): blocks (n, 9, 9, 3, 3)."""
-    blocks = np.empty((len(local), 9, 9, 3, 3))
-    blocks[:, 1:, 1:] = local.reshape(-1, 8, 3, 8, 3).transpose(0, 1, 3, 2, 4)
-    blocks[:, 0, 1:] = -blocks[:, 1, 1:] - blocks[:, 2, 1:]
-    blocks[:, :, 0] = -blocks[:, :, 1] - blocks[:, :, 2]
-    return blocks
+def _scaled(section: Array) -> Array:
+    """With ones on the diagonal, so that bending and stretching compare."""
+    size = np.sqrt(np.abs(np.diag(section)))
+    return np.asarray(section / np.where(size > 0, size, 1.0) / np.where(size > 0, size, 1.0)[:, None])

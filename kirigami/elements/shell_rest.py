@@ -1,13 +1,22 @@
-"""The rest state of shell facets: how their edges bulge, where their directors stand, which way angles count."""
+"""The rest state of shell facets: how their edges bulge, where their directors stand, which rows their edges have."""
 
 from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from kirigami.elements.shell_bending import EdgeFrames
 from kirigami.elements.shell_geometry import EDGE_OF_POINT, Chart
+from kirigami.errors import ModelError
 from kirigami.primitives.kernel import Array
+from kirigami.primitives.parts import Numbering
+from kirigami.primitives.rows import EdgeRows
+
+SHARP = np.radians(30.0)  # an edge between facets that meet at more is a fold of the rest shape, not a part of a curve
+Index = NDArray[np.int64]
 
 
 def angle_scale(chart: Chart, forward: NDArray[np.bool_]) -> Array:
@@ -16,13 +25,81 @@ def angle_scale(chart: Chart, forward: NDArray[np.bool_]) -> Array:
     return np.asarray(signed[:, EDGE_OF_POINT].T)
 
 
-def initial_directors(
-    frames: EdgeFrames, edge: NDArray[np.int64], stored: NDArray[np.int64], count: int
-) -> Array:
+def initial_directors(frames: EdgeFrames, edge: Index, stored: Index, count: int) -> Array:
     """Directors (count, 2, 3) of the edges: the mean of the normals of the facets on them."""
     total = np.zeros((count, 2, 3))
     np.add.at(total, (edge, stored), frames.normal.transpose(0, 2, 1))
-    return np.asarray(total / np.linalg.norm(total, axis=2, keepdims=True))
+    size = np.linalg.norm(total, axis=2, keepdims=True)
+    alone = np.zeros_like(total)  # facets folded flat onto each other have no mean: take one of them
+    alone[edge, stored] = frames.normal.transpose(0, 2, 1)
+    return np.where(size > 1e-3, total / np.where(size > 0, size, 1.0), alone)
+
+
+def numbered_edges(numbering: Numbering, triangles: Index, normals: Sequence[Any], folded: Index) -> EdgeRows:
+    """Number the edges of facets, with two rows of angles where an edge is one of the `folded` (k, 2) ones."""
+    following = np.roll(triangles, -1, axis=1)
+    pairs = np.sort(np.stack([triangles, following], axis=2).reshape(-1, 2), axis=1)
+    ends, edge = np.unique(pairs, axis=0, return_inverse=True)
+    edge = edge.reshape(-1, 3)
+    count = len(ends)
+    is_fold = np.zeros(count, dtype=bool)
+    if len(folded):
+        size = len(numbering.rest)
+        is_fold = np.isin(ends[:, 0] * size + ends[:, 1], folded[:, 0] * size + folded[:, 1])
+    _check_folds(numbering, triangles, edge, ends, folded, is_fold)
+    corners = numbering.rest[ends]
+    length = np.linalg.norm(corners[:, 1] - corners[:, 0], axis=1)
+    offset = edge_bulges(numbering.rest, triangles, edge, corners, normals, is_fold)
+    middle = numbering.add_rows(offset, 0.25 * length)
+    idle = np.zeros((1, 3), dtype=bool)
+    idle[0, 2] = True
+    one = numbering.add_rows(np.zeros((count, 3)), length, idle)
+    other = one.copy()
+    other[is_fold] = numbering.add_rows(np.zeros((int(is_fold.sum()), 3)), length[is_fold], idle)
+    angle = np.where(triangles < following, one[edge], other[edge])
+    return EdgeRows(triangles, ends, edge, middle, angle, length)
+
+
+def _check_folds(
+    numbering: Numbering, triangles: Index, edge: Index, ends: Index, folded: Index, is_fold: NDArray[np.bool_]
+) -> None:
+    """A crease runs along edges between two facets, one on each side."""
+    known = {tuple(pair) for pair in ends[is_fold].tolist()}
+    for a, b in folded.tolist():
+        if (a, b) not in known:
+            raise ModelError(
+                f"Crease: no edge of a shell facet joins {numbering.describe(a)} and {numbering.describe(b)}: a crease "
+                "runs from node to node along edges of the mesh"
+            )
+    forward = triangles < np.roll(triangles, -1, axis=1)
+    ahead = np.bincount(edge[forward], minlength=len(ends))
+    back = np.bincount(edge[~forward], minlength=len(ends))
+    bad = np.flatnonzero(is_fold & ((ahead != 1) | (back != 1)))
+    if bad.size:
+        a, b = ends[bad[0]].tolist()
+        raise ModelError(
+            f"Crease: the edge from {numbering.describe(a)} to {numbering.describe(b)} has {ahead[bad[0]] + back[bad[0]]}"
+            " facet(s): a crease folds two facets, alike oriented, against each other"
+        )
+
+
+def edge_bulges(
+    points: Array, triangles: Index, edge: Index, corners: Array, normals: Sequence[Any], is_fold: NDArray[np.bool_]
+) -> Array:
+    """Offsets (edges, 3) of the middles of edges: the mean over the facets on each of what their normals ask for."""
+    found = np.zeros((len(corners), 3))
+    given = np.array([normal is not None for normal in normals], dtype=bool)
+    flat = np.ptp(points[triangles.ravel()], axis=0).min() == 0.0
+    if flat and not given.any():
+        return found
+    own = corner_normals(points, triangles, edge, is_fold)
+    if given.any():
+        known = np.array([normal for normal in normals if normal is not None])
+        own[given] = known / np.linalg.norm(known, axis=2, keepdims=True)
+    ends = np.stack([points[triangles], points[np.roll(triangles, -1, axis=1)]], axis=2).reshape(-1, 2, 3)
+    at_ends = np.stack([own, np.roll(own, -1, axis=1)], axis=2).reshape(-1, 2, 3)
+    np.add.at(found, edge.ravel(), bulges(ends, at_ends))
+    return np.asarray(found / np.bincount(edge.ravel())[:, None])
 
 
 def bulges(ends: Array, normals: Array) -> Array:
@@ -37,3 +114,42 @@ def bulges(ends: Array, normals: Array) -> Array:
     along = np.einsum("nka,na->nk", normals, chord) / length[:, None]
     slope = np.arctan2(-along, np.einsum("nka,na->nk", normals, up))
     return np.asarray((0.5 * length * np.tan(0.25 * (slope[:, 0] - slope[:, 1])))[:, None] * up)
+
+
+def corner_normals(points: Array, triangles: Index, edge: Index, is_fold: NDArray[np.bool_]) -> Array:
+    """Unit normals (m, 3, 3) at the corners of facets: the mean of the facets around, up to the next fold.
+
+    Weighted by sin / (|a| |b|) of the two sides at the corner, which is exact on a sphere. (Max, 1999)
+    """
+    from scipy.sparse import coo_array
+    from scipy.sparse.csgraph import connected_components
+
+    corner = points[triangles]
+    ahead = np.roll(corner, -1, axis=1) - corner
+    back = np.roll(corner, 1, axis=1) - corner
+    product = np.cross(ahead, back)
+    facet = product[:, 0] / np.linalg.norm(product[:, 0], axis=1)[:, None]
+    weighted = product / ((ahead**2).sum(axis=2) * (back**2).sum(axis=2))[..., None]
+    # Link the corners of two facets at both ends of each smooth edge.
+    order = np.argsort(edge.ravel(), kind="stable")
+    ranked = edge.ravel()[order]
+    twice = np.flatnonzero((ranked[1:] == ranked[:-1]) & (np.bincount(ranked)[ranked[1:]] == 2))
+    one, two = order[twice], order[twice + 1]
+    smooth = ((facet[one // 3] * facet[two // 3]).sum(axis=1) > np.cos(SHARP)) & ~is_fold[ranked[twice]]
+    one, two = one[smooth], two[smooth]
+    next_one, next_two = one // 3 * 3 + (one + 1) % 3, two // 3 * 3 + (two + 1) % 3
+    nodes = triangles.ravel()
+    opposed = nodes[one] != nodes[two]  # neighbours alike oriented run along the edge in opposite directions
+    links = np.concatenate(
+        [
+            np.stack([one, np.where(opposed, next_two, two)], axis=1),
+            np.stack([next_one, np.where(opposed, two, next_two)], axis=1),
+        ]
+    )
+    graph = coo_array((np.ones(len(links), np.int8), (links[:, 0], links[:, 1])), shape=(nodes.size, nodes.size))
+    parts, label = connected_components(graph, directed=False)
+    total = np.zeros((parts, 3))
+    np.add.at(total, label, weighted.reshape(-1, 3))
+    size = np.linalg.norm(total, axis=1)
+    mean = (total / np.where(size > 0, size, 1.0)[:, None])[label].reshape(-1, 3, 3)
+    return np.where((size > 0)[label].reshape(-1, 3, 1), mean, facet[:, None])

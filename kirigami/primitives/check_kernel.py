@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from kirigami.primitives.kernel import Kernel, full_hessian
+from kirigami.primitives.kernel import Array, Kernel, full_hessian
 
 
 def check_kernel(kernel: Kernel, x: ArrayLike, lam: float = 1.0, step: float = 1e-6) -> dict[str, float]:
@@ -73,21 +73,36 @@ def check_kernel(kernel: Kernel, x: ArrayLike, lam: float = 1.0, step: float = 1
             by_gradient = (gradients[0] - gradients[1]) / (2 * h)
             gradient_error = max(gradient_error, np.abs(by_energy - exact.gradient[:, a, axis]).max())
             hessian_error = max(hessian_error, np.abs(by_gradient - hessian[:, :, a, :, axis]).max())
-    arm = x[conn] - x[conn].mean(axis=1, keepdims=True)
-    moment = arm[..., :, None] * exact.gradient[..., None, :]
-    moment = (moment - np.swapaxes(moment, -1, -2)).sum(axis=1)
+    # What rigid motions do to the rows of the members is the kernel's to say: not every row is a point.
+    shifts = [kernel.rigidly_moved(x, np.eye(dim), size * axis) - x for axis in np.eye(dim)]
+    force = [np.einsum("nka,nka->n", exact.gradient, shift[conn]) / size for shift in shifts]
+    angle = 1e-4
+    moment = []
+    for first, second in ((0, 1), (1, 2), (2, 0))[: 1 if dim == 2 else 3]:
+        turns = [kernel.rigidly_moved(x, _turn(dim, first, second, way * angle), np.zeros(dim)) for way in (1, -1)]
+        rate = (turns[0] - turns[1]) / (2 * np.sin(angle))
+        moment.append(np.einsum("nka,nka->n", exact.gradient, rate[conn]))
     rotation = np.linalg.qr(np.random.default_rng(1).normal(size=(dim, dim)))[0]
     rotation[:, 0] *= np.sign(np.linalg.det(rotation))
-    turned = kernel.evaluate(x @ rotation.T + size, lam, 0).energy
+    turned = kernel.evaluate(kernel.rigidly_moved(x, rotation, np.full(dim, size)), lam, 0).energy
     energy_size = np.abs(exact.energy).max() + gradient_size * size
     return {
         "gradient": float(gradient_error / gradient_size),
         "hessian": float(hessian_error / hessian_size),
         "symmetry": float(np.abs(hessian - hessian.transpose(0, 2, 1, 4, 3)).max() / hessian_size),
-        "force": float(np.abs(exact.gradient.sum(axis=1)).max() / gradient_size),
-        "moment": float(np.abs(moment).max() / (gradient_size * size)),
+        "force": float(np.abs(force).max() / gradient_size),
+        "moment": float(np.abs(moment).max() / (gradient_size * max(size, float(np.abs(x).max())))),
         "rigid": float(np.abs(turned - exact.energy).max() / energy_size),
     }
+
+
+def _turn(dim: int, first: int, second: int, angle: float) -> Array:
+    """Rotation in the plane of two axes."""
+    turn = np.eye(dim)
+    turn[first, first] = turn[second, second] = np.cos(angle)
+    turn[second, first] = np.sin(angle)
+    turn[first, second] = -np.sin(angle)
+    return turn
 
 
 def _independent(conn: NDArray[np.int64]) -> list[NDArray[np.int64]]:

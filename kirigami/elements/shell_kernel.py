@@ -1,0 +1,267 @@
+"""The kernel of shell facets: energy, forces and exact tangent; :mod:`kirigami.elements.shell_facet` has the formulas."""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kirigami.elements.shell_bending import (
+    AreaFrames,
+    Bending,
+    EdgeFrames,
+    angle_derivatives,
+    angle_second,
+    angles,
+    area_frames,
+    edge_frames,
+)
+from kirigami.elements.shell_geometry import EDGE_OF_POINT, Chart, facet_vectors
+from kirigami.elements.shell_membrane import Membrane
+from kirigami.elements.shell_rest import angle_scale, initial_directors
+from kirigami.primitives.kernel import EXACT, Array, Contribution, Kernel, Tangent, displacement_of
+
+CHUNK = 512  # facets whose Hessians are made at a time, so that they stay in the processor's cache
+SHARE = np.eye(3) + 1 / 3  # its square is 1 + the unit matrix: the mass of the barycentric coordinates
+
+
+class ShellFacetKernel(Kernel):
+    """All shell facets; see the module's text for the formulas.
+
+    Local rows: three corners, the middles and then the angles of the edges 01, 12, 20. `forward` (n, 3) tells where a
+    facet runs along an edge in the direction in which the edge counts its angles; an angle row holds them at the two
+    Gauss points, times the length of the edge.
+    """
+
+    name = "shell"
+    measures_displacement = True
+    approximates = True
+
+    def __init__(
+        self,
+        rest: Array,
+        conn: NDArray[np.int64],
+        section: Array,
+        forward: NDArray[np.bool_],
+        density: Array | None = None,
+        members: NDArray[np.int64] | None = None,
+    ) -> None:
+        self.rest, self.conn, self.section, self.forward, self.members = rest, conn, section, forward, members
+        self.density = density  # mass per area (n,), nan where unknown
+        self._rest_vectors = facet_vectors(rest, conn)
+        self.chart = Chart(self._rest_vectors)
+        self._membrane = Membrane(self._rest_vectors, self.chart)
+        self._bending = Bending(self.chart)
+        self._angle_scale = angle_scale(self.chart, forward)  # (6, n): of the stored angles in the local ones
+        point = np.tile([0, 1], 3)
+        self._stored = np.where(forward[:, EDGE_OF_POINT].T, point[:, None], 1 - point[:, None])  # (6, n) of an edge's
+        self._angle_rows, self._edge = np.unique(conn[:, 6:], return_inverse=True)
+        self._edge = self._edge.reshape(-1, 3)[:, EDGE_OF_POINT].T  # (6, n)
+        frames = edge_frames(self._rest_vectors)
+        self._rest_directors = initial_directors(frames, self._edge, self._stored, len(self._angle_rows))
+        self._directors = self._rest_directors
+        self._rest_angles = angles(frames, self._local_directors())
+        self._rest_curvatures = self._bending.curvatures(self._rest_vectors, area_frames(self._rest_vectors))
+        self.coupled = bool(np.any(section[:, :3, 3:]))
+
+    def arrays(self) -> dict[str, Any]:
+        return {name: getattr(self, name) for name in ("conn", "section", "forward", "density", "members")}
+
+    # ---- directors: a gauge, moved along with the edges at every commit
+
+    @property
+    def history(self) -> Array | None:
+        """Directors (edges, 2, 3) against which the angles of the edges are counted."""
+        return self._directors
+
+    @history.setter
+    def history(self, value: Array | None) -> None:
+        self._directors = self._rest_directors if value is None else value
+
+    def _local_directors(self) -> Array:
+        """Directors (6, 3, n) at the Gauss points of each facet."""
+        return self._directors[self._edge, self._stored].transpose(0, 2, 1)
+
+    def commit(self, x: Array) -> None:
+        frames = edge_frames(self._vectors(x)[0])
+        local = self._local_directors()
+        local = local - (local * frames.tangent).sum(axis=1, keepdims=True) * frames.tangent
+        local /= np.linalg.norm(local, axis=1, keepdims=True)
+        directors = self._directors.copy()
+        directors[self._edge, self._stored] = local.transpose(0, 2, 1)  # the same from either facet
+        self._directors = directors
+
+    def rigidly_moved(self, x: Array, rotation: Array, shift: Array) -> Array:
+        """`x` after a rotation (3, 3) and a shift (3,): offsets of middles only turn, and angles keep up with what the
+        turn does to their directors."""
+        moved = np.array(x, dtype=float)
+        corners, middles = np.unique(self.conn[:, :3]), np.unique(self.conn[:, 3:6])
+        moved[corners] = moved[corners] @ rotation.T + shift
+        moved[middles] = moved[middles] @ rotation.T
+        before, after = (angles(edge_frames(self._vectors(y)[0]), self._local_directors()) for y in (x, moved))
+        turned = (after - before + np.pi) % (2 * np.pi) - np.pi
+        row = self.conn[:, 6:].T[EDGE_OF_POINT]
+        moved[row, self._stored] = np.asarray(x)[row, self._stored] + turned / self._angle_scale
+        return moved
+
+    # ---- measures
+
+    def _vectors(self, x: Array) -> tuple[Array, Array]:
+        """The vectors v (5, 3, n) and their change from rest."""
+        change = facet_vectors(displacement_of(x, self.rest), self.conn)
+        return self._rest_vectors + change, change
+
+    def _edge_angles(self, x: Array) -> Array:
+        """Angles alpha (6, n) of the edges in the local direction and order."""
+        return np.asarray(x)[self.conn[:, 6:].T[EDGE_OF_POINT], self._stored] * self._angle_scale
+
+    def _fields(self, x: Array) -> Array:
+        """Strain and curvature (n, 3, 6) at the corners: (exx, eyy, gamma, kxx, kyy, 2 kxy)."""
+        vectors, change = self._vectors(x)
+        stretch = self._membrane.measures(change)
+        jump = angles(edge_frames(vectors), self._local_directors()) - self._rest_angles - self._edge_angles(x)
+        jump -= 2 * np.pi * np.round(jump / (2 * np.pi))
+        bent = self._bending.curvatures(vectors, area_frames(vectors)) - self._rest_curvatures
+        fields = np.empty((len(self.conn), 3, 6))
+        fields[..., :3] = _apply(self._membrane.to_strain, stretch)
+        fields[..., 3:] = _apply(self._bending.to_curvature, np.concatenate([bent, jump]))
+        return fields
+
+    def _resultants(self, fields: Array) -> Array:
+        """Derivatives (n, 3, 6) of the energy by strain and curvature at the corners."""
+        weighted = fields @ self.section
+        weighted += weighted.sum(axis=1, keepdims=True)
+        return np.asarray(weighted * (self.chart.area / 12)[:, None, None])
+
+    def deformation(self, x: Array) -> Array:
+        """Mean strain and curvature of each facet (n, 6): (exx, eyy, gamma_xy, kxx, kyy, 2 kxy), the first axis along
+        the edge from corner i to j."""
+        return np.asarray(self._fields(x).mean(axis=1))
+
+    def corner_deformation(self, x: Array) -> Array:
+        """Strain and curvature (n, 3, 6) at the corners of each facet, in the axes of :meth:`deformation`."""
+        return self._fields(x)
+
+    def force(self, deformation: Array) -> Array:
+        """Forces and moments per length (n, 6): (Nxx, Nyy, Nxy, Mxx, Myy, Mxy) of a deformation (n, 6)."""
+        return np.asarray(np.einsum("nab,nb->na", self.section, deformation))
+
+    def curvature(self, x: Array) -> Array:
+        """Curvature (n, 3, 3) at the corners of each facet: (kxx, kyy, 2 kxy)."""
+        return self._fields(x)[..., 3:]
+
+    def _pull_ahead(self, x: Array, change: Array) -> Array:
+        """Membrane forces by the measures (9, n) after a linear step `change` off `x`."""
+        vectors, moved = self._vectors(x)
+        rate = np.empty((9, len(self.conn)))
+        ahead = facet_vectors(change, self.conn)
+        for start in range(0, len(self.conn), CHUNK):
+            part = slice(start, start + CHUNK)
+            chain = self._membrane.derivatives(vectors[..., part], part)
+            rate[:, part] = np.einsum("mpan,pan->mn", chain, ahead[..., part])
+        fields = np.zeros((len(self.conn), 3, 6)) if not self.coupled else self._fields(x)
+        fields[..., :3] = _apply(self._membrane.to_strain, self._membrane.measures(moved) + rate)
+        return _pull_back(self._membrane.to_strain, self._resultants(fields)[..., :3])
+
+    # ---- energy and derivatives
+
+    def evaluate(self, x: Array, lam: float = 1.0, need: int = 2, tangent: Tangent = EXACT) -> Contribution:
+        fields = self._fields(x)
+        resultants = self._resultants(fields)
+        energy = 0.5 * (fields * resultants).sum(axis=(1, 2))
+        if need == 0:
+            return Contribution(energy)
+        n = len(energy)
+        pull = _pull_back(self._membrane.to_strain, resultants[..., :3])
+        bend = _pull_back(self._bending.to_curvature, resultants[..., 3:])
+        geometric = pull if tangent.ahead is None or need < 2 else self._pull_ahead(*tangent.ahead)
+        vectors = self._vectors(x)[0]
+        directors = self._local_directors()
+        gradient = np.empty((n, 9, 3))
+        hessian = np.empty((n, 9, 9, 3, 3)) if need == 2 else None
+        for start in range(0, n, CHUNK):
+            part = slice(start, start + CHUNK)
+            v = vectors[..., part]
+            state = _State(v, area_frames(v), edge_frames(v), directors[..., part], part)
+            membrane, bending = self._chains(state)
+            local = np.einsum("mzn,mn->nz", membrane, pull[:, part])
+            local = np.concatenate([local, np.zeros((len(local), 9))], axis=1)
+            local += np.einsum("mzn,mn->nz", bending, bend[:, part])
+            gradient[part] = _to_rows(local)
+            if hessian is not None:
+                hessian[part] = self._hessian(state, membrane, bending, geometric[:, part], bend[:, part], tangent)
+        return Contribution(energy, gradient, hessian)
+
+    def _chains(self, state: _State) -> tuple[Array, Array]:
+        """First derivatives of the membrane measures by v, (9, 15, m), and of the bending measures by v and the stored
+        angles, (15, 24, m)."""
+        m = state.vectors.shape[-1]
+        membrane = self._membrane.derivatives(state.vectors, state.part).reshape(9, 15, m)
+        bending = np.zeros((15, 24, m))
+        inside = self._bending.curvature_derivatives(state.vectors, state.area, state.part)
+        bending[:9, :15] = inside.reshape(9, 15, m)
+        bending[9:, :15] = angle_derivatives(state.edges, state.directors).reshape(6, 15, m)
+        point, facet = np.indices((6, m))
+        column = 15 + 3 * EDGE_OF_POINT[:, None] + self._stored[:, state.part]
+        bending[9 + point, column, facet] = -self._angle_scale[:, state.part]
+        return membrane, bending
+
+    def _hessian(
+        self, state: _State, membrane: Array, bending: Array, pull: Array, bend: Array, tangent: Tangent
+    ) -> Array:
+        part, m = state.part, membrane.shape[-1]
+        exact = 1.0 - tangent.convexity
+        rows = np.zeros((m, 3, 6, 24))
+        rows[:, :, :3, :15] = (self._membrane.to_strain[part] @ membrane.transpose(2, 0, 1)).reshape(m, 3, 3, 15)
+        rows[:, :, 3:] = (self._bending.to_curvature[part] @ bending.transpose(2, 0, 1)).reshape(m, 3, 3, 24)
+        rows = (SHARE @ rows.reshape(m, 3, -1)).reshape(m, 3, 6, 24)
+        stiff = (self.section[part] * (self.chart.area[part] / 12)[:, None, None])[:, None] @ rows
+        total = rows.reshape(m, 18, 24).transpose(0, 2, 1) @ stiff.reshape(m, 18, 24)
+        form = self._membrane.second_derivatives(exact * pull, part)
+        if tangent.convexity:
+            form += tangent.convexity * self._membrane.tension_form(pull, part)
+        curved = (form.reshape(25, m)[:, None, None] * np.eye(3)[:, :, None]).reshape(25, 3, 3, m)
+        if exact:
+            bend = exact * bend
+            curved += self._bending.curvature_second(bend[:9], state.vectors, state.area, part)
+            curved += angle_second(bend[9:], state.edges, state.directors)
+        total[:, :15, :15] += curved.reshape(5, 5, 3, 3, m).transpose(4, 0, 2, 1, 3).reshape(m, 15, 15)
+        return _to_blocks(total)
+
+
+class _State(NamedTuple):
+    """A chunk of facets: vectors v, frames and directors, and which facets they are."""
+
+    vectors: Array
+    area: AreaFrames
+    edges: EdgeFrames
+    directors: Array
+    part: slice
+
+
+def _apply(matrix: Array, measures: Array) -> Array:
+    """Fields (n, 3, 3) at the corners, of measures (k, n), by matrices (n, 9, k)."""
+    return np.asarray((matrix @ measures.T[:, :, None]).reshape(-1, 3, 3))
+
+
+def _pull_back(matrix: Array, resultants: Array) -> Array:
+    """Derivatives (k, n) of the energy by the measures, of those by the fields at the corners (n, 3, 3)."""
+    return np.asarray((resultants.reshape(-1, 1, 9) @ matrix)[:, 0].T)
+
+
+def _to_rows(local: Array) -> Array:
+    """From derivatives (n, 24) by the vectors v and the stored angles to those by the rows, (n, 9, 3)."""
+    rows = np.empty((len(local), 9, 3))
+    rows[:, 1:] = local.reshape(-1, 8, 3)
+    rows[:, 0] = -rows[:, 1] - rows[:, 2]
+    return rows
+
+
+def _to_blocks(local: Array) -> Array:
+    """The same for second derivatives (n, 24, 24): blocks (n, 9, 9, 3, 3)."""
+    blocks = np.empty((len(local), 9, 9, 3, 3))
+    blocks[:, 1:, 1:] = local.reshape(-1, 8, 3, 8, 3).transpose(0, 1, 3, 2, 4)
+    blocks[:, 0, 1:] = -blocks[:, 1, 1:] - blocks[:, 2, 1:]
+    blocks[:, :, 0] = -blocks[:, :, 1] - blocks[:, :, 2]
+    return blocks

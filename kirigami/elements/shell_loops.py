@@ -1,0 +1,487 @@
+"""Loops over shell facets for Numba to compile; only :mod:`kirigami.elements.compiled_shell` imports this file.
+
+The formulas are those of :mod:`kirigami.elements.shell_membrane` and :mod:`kirigami.elements.shell_bending`; here each
+facet is taken to its end, from displacements to entries of the node blocks.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from kirigami.elements.shell_geometry import AREA_ROWS, EDGE_ROWS
+
+try:
+    from numba import njit
+
+    compiled = njit(cache=True, error_model="numpy")
+except ImportError:  # plain Python then, which nobody calls: too slow
+
+    def compiled(function):  # type: ignore[no-untyped-def]
+        return function
+
+
+ALONG, INWARD = np.ascontiguousarray(EDGE_ROWS[0]), np.ascontiguousarray(EDGE_ROWS[1])
+FIRST, SECOND = np.ascontiguousarray(AREA_ROWS[0]), np.ascontiguousarray(AREA_ROWS[1])
+TURN = 2 * math.pi
+
+
+@compiled
+def combination(rows, k, v):  # type: ignore[no-untyped-def]
+    """Row k of a table times the five vectors."""
+    a = b = c = 0.0
+    for p in range(5):
+        a += rows[k, p] * v[p, 0]
+        b += rows[k, p] * v[p, 1]
+        c += rows[k, p] * v[p, 2]
+    return a, b, c
+
+
+@compiled
+def dot(a, b):  # type: ignore[no-untyped-def]
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+
+
+@compiled
+def cross(a, b):  # type: ignore[no-untyped-def]
+    return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
+
+
+@compiled
+def scaled(c, a):  # type: ignore[no-untyped-def]
+    return c * a[0], c * a[1], c * a[2]
+
+
+@compiled
+def mixed(c, a, d, b):  # type: ignore[no-untyped-def]
+    return c * a[0] + d * b[0], c * a[1] + d * b[1], c * a[2] + d * b[2]
+
+
+@compiled
+def gather(f, conn, u, rest, du, v):  # type: ignore[no-untyped-def]
+    """Change of the five vectors of facet f, and the vectors themselves."""
+    for axis in range(3):
+        corner = u[conn[f, 0], axis]
+        du[0, axis] = u[conn[f, 1], axis] - corner
+        du[1, axis] = u[conn[f, 2], axis] - corner
+        for edge in range(3):
+            du[2 + edge, axis] = u[conn[f, 3 + edge], axis]
+        for p in range(5):
+            v[p, axis] = rest[f, p, axis] + du[p, axis]
+
+
+@compiled
+def stretch(f, rest, du, per_square, forms, found):  # type: ignore[no-untyped-def]
+    """The nine membrane measures."""
+    for g in range(6):
+        now, before = combination(ALONG, g, du), combination(ALONG, g, rest[f])
+        found[g] = per_square[f, g] * dot(mixed(1.0, before, 0.5, now), now)
+    for c in range(3):
+        found[6 + c] = 0.0
+    for p in range(5):
+        for q in range(5):
+            gram = 0.0
+            for axis in range(3):
+                gram += (rest[f, p, axis] + 0.5 * du[p, axis]) * du[q, axis]
+            for c in range(3):
+                found[6 + c] += forms[f, c, p, q] * gram
+
+
+@compiled
+def stretch_rows(f, v, per_square, forms, rows):  # type: ignore[no-untyped-def]
+    """First derivatives (9, 15) of the membrane measures."""
+    for g in range(6):
+        along = scaled(per_square[f, g], combination(ALONG, g, v))
+        for p in range(5):
+            for axis in range(3):
+                rows[g, 3 * p + axis] = ALONG[g, p] * along[axis]
+    for c in range(3):
+        for p in range(5):
+            for axis in range(3):
+                total = 0.0
+                for q in range(5):
+                    total += forms[f, c, p, q] * v[q, axis]
+                rows[6 + c, 3 * p + axis] = total
+
+
+@compiled
+def edge_frame(g, v):  # type: ignore[no-untyped-def]
+    """Normal, inward and tangent unit vectors at Gauss point g, length along, reach and slant."""
+    along, across = combination(ALONG, g, v), combination(INWARD, g, v)
+    length = math.sqrt(dot(along, along))
+    tangent = scaled(1.0 / length, along)
+    normal = cross(along, across)
+    normal = scaled(1.0 / math.sqrt(dot(normal, normal)), normal)
+    inward = cross(normal, tangent)
+    return normal, inward, tangent, length, dot(across, inward), dot(across, tangent) / length
+
+
+@compiled
+def area_frame(q, v):  # type: ignore[no-untyped-def]
+    """Normal and dual vectors at point q inside."""
+    first, second = combination(FIRST, q, v), combination(SECOND, q, v)
+    normal = cross(first, second)
+    size = math.sqrt(dot(normal, normal))
+    normal = scaled(1.0 / size, normal)
+    return normal, scaled(1.0 / size, cross(second, normal)), scaled(1.0 / size, cross(normal, first))
+
+
+@compiled
+def bend(f, v, x, conn, director, stored, scale, second, rest_angle, rest_curvature, found):  # type: ignore[no-untyped-def]
+    """The fifteen bending measures."""
+    for q in range(3):
+        normal, _, _ = area_frame(q, v)
+        for c in range(3):
+            found[3 * q + c] = -rest_curvature[f, 3 * q + c]
+        for e in range(3):
+            height = normal[0] * v[2 + e, 0] + normal[1] * v[2 + e, 1] + normal[2] * v[2 + e, 2]
+            for c in range(3):
+                found[3 * q + c] += second[f, e, c] * height
+    for g in range(6):
+        normal, inward, _, _, _, _ = edge_frame(g, v)
+        p = director[f, g]
+        angle = math.atan2(-dot(p, inward), dot(p, normal)) - rest_angle[f, g]
+        angle -= x[conn[f, 6 + g // 2], stored[f, g]] * scale[f, g]
+        found[9 + g] = angle - TURN * np.rint(angle / TURN)
+
+
+@compiled
+def bend_rows(f, v, director, scale, second, rows):  # type: ignore[no-untyped-def]
+    """First derivatives (15, 21) of the bending measures by the five vectors and the six local angles as stored."""
+    for q in range(3):
+        normal, one, two = area_frame(q, v)
+        for c in range(3):
+            for p in range(5):
+                share = second[f, p - 2, c] if p >= 2 else 0.0
+                for e in range(3):
+                    w = v[2 + e]
+                    share -= second[f, e, c] * (dot(one, w) * FIRST[q, p] + dot(two, w) * SECOND[q, p])
+                for axis in range(3):
+                    rows[3 * q + c, 3 * p + axis] = share * normal[axis]
+    for g in range(6):
+        normal, inward, tangent, length, reach, slant = edge_frame(g, v)
+        seen = director[f, g]
+        up, side, lean = dot(seen, normal), dot(seen, inward), dot(seen, tangent)
+        slide = scaled(lean / ((up * up + side * side) * length), mixed(up, inward, -side, normal))
+        for p in range(5):
+            lever = -(INWARD[g, p] - slant * ALONG[g, p]) / reach
+            for axis in range(3):
+                rows[9 + g, 3 * p + axis] = lever * normal[axis] + ALONG[g, p] * slide[axis]
+        for other in range(6):
+            rows[9 + g, 15 + other] = 0.0
+        rows[9 + g, 15 + g] = -scale[f, g]
+
+
+@compiled
+def fields_of(f, r, b, to_strain, to_curvature, fields):  # type: ignore[no-untyped-def]
+    """Strain and curvature (18,) at the corners, six numbers each."""
+    for i in range(3):
+        for c in range(3):
+            total = 0.0
+            for m in range(9):
+                total += to_strain[f, 3 * i + c, m] * r[m]
+            fields[6 * i + c] = total
+            total = 0.0
+            for m in range(15):
+                total += to_curvature[f, 3 * i + c, m] * b[m]
+            fields[6 * i + 3 + c] = total
+
+
+@compiled
+def resultants_of(f, fields, section, area, force):  # type: ignore[no-untyped-def]
+    """Derivatives (18,) of the energy by the fields at the corners."""
+    scale = area[f] / 12.0
+    for c in range(6):
+        total = 0.0
+        for i in range(3):
+            value = 0.0
+            for d in range(6):
+                value += section[f, c, d] * fields[6 * i + d]
+            force[6 * i + c] = value
+            total += value
+        for i in range(3):
+            force[6 * i + c] = scale * (force[6 * i + c] + total)
+
+
+@compiled
+def pulled_back(f, force, to_strain, to_curvature, pull, moment):  # type: ignore[no-untyped-def]
+    """Derivatives of the energy by the membrane (9,) and bending (15,) measures."""
+    for m in range(9):
+        pull[m] = 0.0
+    for m in range(15):
+        moment[m] = 0.0
+    for i in range(3):
+        for c in range(3):
+            n, k = force[6 * i + c], force[6 * i + 3 + c]
+            for m in range(9):
+                pull[m] += to_strain[f, 3 * i + c, m] * n
+            for m in range(15):
+                moment[m] += to_curvature[f, 3 * i + c, m] * k
+
+
+@compiled
+def forces(  # type: ignore[no-untyped-def]
+    conn, x, u, rest, per_square, forms, to_strain, to_curvature, second, section, area,
+    rest_angle, rest_curvature, director, stored, scale, total,
+):  # fmt: skip
+    du, v = np.empty((5, 3)), np.empty((5, 3))
+    r, b, fields, force = np.empty(9), np.empty(15), np.empty(18), np.empty(18)
+    pull, moment, local = np.empty(9), np.empty(15), np.empty(21)
+    membrane, bending = np.empty((9, 15)), np.empty((15, 21))
+    squares = 0.0
+    bending[:, :] = 0.0
+    for f in range(len(conn)):
+        gather(f, conn, u, rest, du, v)
+        stretch(f, rest, du, per_square, forms, r)
+        bend(f, v, x, conn, director, stored, scale, second, rest_angle, rest_curvature, b)
+        fields_of(f, r, b, to_strain, to_curvature, fields)
+        resultants_of(f, fields, section, area, force)
+        pulled_back(f, force, to_strain, to_curvature, pull, moment)
+        stretch_rows(f, v, per_square, forms, membrane)
+        bend_rows(f, v, director, scale, second, bending)
+        for z in range(21):
+            value = 0.0
+            for m in range(15):
+                value += bending[m, z] * moment[m]
+            if z < 15:
+                for m in range(9):
+                    value += membrane[m, z] * pull[m]
+            local[z] = value
+        for p in range(5):
+            row = conn[f, 1 + p]
+            for axis in range(3):
+                value = local[3 * p + axis]
+                total[row, axis] += value
+                squares += value * value
+        for axis in range(3):
+            value = -local[axis] - local[3 + axis]
+            total[conn[f, 0], axis] += value
+            squares += value * value
+        for g in range(6):
+            total[conn[f, 6 + g // 2], stored[f, g]] += local[15 + g]
+            squares += local[15 + g] * local[15 + g]
+    return squares
+
+
+@compiled
+def pull_ahead(  # type: ignore[no-untyped-def]
+    conn, u, change, rest, per_square, forms, to_strain, section, area, curvature, ahead
+):
+    """Membrane forces by the measures, after a linear step `change` off u; curvatures (n, 3, 3) as they are there."""
+    du, v, step = np.empty((5, 3)), np.empty((5, 3)), np.empty((5, 3))
+    r, fields, force, membrane, rate = np.empty(9), np.empty(18), np.empty(18), np.empty((9, 15)), np.empty((5, 3))
+    for f in range(len(conn)):
+        gather(f, conn, u, rest, du, v)
+        stretch(f, rest, du, per_square, forms, r)
+        gather(f, conn, change, rest, rate, step)
+        stretch_rows(f, v, per_square, forms, membrane)
+        for m in range(9):
+            for p in range(5):
+                for axis in range(3):
+                    r[m] += membrane[m, 3 * p + axis] * rate[p, axis]
+        for i in range(3):
+            for c in range(3):
+                value = 0.0
+                for m in range(9):
+                    value += to_strain[f, 3 * i + c, m] * r[m]
+                fields[6 * i + c] = value
+                fields[6 * i + 3 + c] = curvature[f, i, c]
+        resultants_of(f, fields, section, area, force)
+        for m in range(9):
+            value = 0.0
+            for i in range(3):
+                for c in range(3):
+                    value += to_strain[f, 3 * i + c, m] * force[6 * i + c]
+            ahead[f, m] = value
+
+
+@compiled
+def stretch_second(f, pull, per_square, forms, tangent, exact, convexity, form):  # type: ignore[no-untyped-def]
+    """Form (5, 5) of the membrane forces, mixed with that of the mean tension alone."""
+    form[:, :] = 0.0
+    for g in range(6):
+        weight = exact * pull[g] * per_square[f, g]
+        for p in range(5):
+            for q in range(5):
+                form[p, q] += weight * ALONG[g, p] * ALONG[g, q]
+    n0, n1, n2 = exact * pull[6], exact * pull[7], exact * pull[8]
+    if convexity > 0.0:
+        m0, m1, m2 = pull[6], pull[7], pull[8]
+        for g in range(6):
+            tx, ty = tangent[f, g // 2, 0], tangent[f, g // 2, 1]
+            m0, m1, m2 = m0 + pull[g] * tx * tx, m1 + pull[g] * ty * ty, m2 + pull[g] * tx * ty
+        mean, half = 0.5 * (m0 + m1), 0.5 * (m0 - m1)
+        radius = math.hypot(half, m2)
+        high, low = max(mean + radius, 0.0), max(mean - radius, 0.0)
+        turn = 0.5 * (high - low) / radius if radius > 0.0 else 0.0
+        centre = 0.5 * (high + low)
+        n0 += convexity * (centre + turn * half)
+        n1 += convexity * (centre - turn * half)
+        n2 += convexity * turn * m2
+    for p in range(5):
+        for q in range(5):
+            form[p, q] += n0 * forms[f, 0, p, q] + n1 * forms[f, 1, p, q] + n2 * forms[f, 2, p, q]
+
+
+@compiled
+def add_dyad(local, rows, i, other, j, c, a, b):  # type: ignore[no-untyped-def]
+    """Add the second derivative c (a.dV_i) (b.dV_j), V = rows times the vectors, made symmetric by the caller."""
+    for p in range(5):
+        for q in range(5):
+            weight = c * rows[i, p] * other[j, q]
+            if weight != 0.0:
+                for k in range(3):
+                    for m in range(3):
+                        local[3 * p + k, 3 * q + m] += weight * a[k] * b[m]
+
+
+@compiled
+def inside_second(f, v, moment, second, local):  # type: ignore[no-untyped-def]
+    """Add half of the second derivative of the curvatures inside; the caller adds the transpose."""
+    for q in range(3):
+        normal, one, two = area_frame(q, v)
+        load = (0.0, 0.0, 0.0)
+        for e in range(3):
+            share = 0.0
+            for c in range(3):
+                share += moment[3 * q + c] * second[f, e, c]
+            load = mixed(1.0, load, share, v[2 + e])
+            for p in range(5):  # n.dg_A against g^A.dw
+                for k in range(3):
+                    for m in range(3):
+                        local[3 * p + k, 6 + 3 * e + m] -= share * normal[k] * (
+                            FIRST[q, p] * one[m] + SECOND[q, p] * two[m]
+                        )
+        height, tilt_one, tilt_two = dot(normal, load), dot(one, load), dot(two, load)
+        h11, h12, h22 = -0.5 * height * dot(one, one), -0.5 * height * dot(one, two), -0.5 * height * dot(two, two)
+        add_dyad(local, FIRST, q, FIRST, q, 1.0, normal, mixed(tilt_one, one, h11, normal))
+        add_dyad(local, FIRST, q, SECOND, q, 1.0, normal, mixed(tilt_two, one, h12, normal))
+        add_dyad(local, SECOND, q, FIRST, q, 1.0, normal, mixed(tilt_one, two, h12, normal))
+        add_dyad(local, SECOND, q, SECOND, q, 1.0, normal, mixed(tilt_two, two, h22, normal))
+
+
+@compiled
+def angle_second(f, v, moment, director, rows, local):  # type: ignore[no-untyped-def]
+    """Add half of the second derivative of the angles; `rows` is a work array for the slanted inward rows."""
+    for g in range(6):
+        c = moment[9 + g]
+        normal, inward, tangent, length, reach, slant = edge_frame(g, v)
+        for p in range(5):
+            rows[0, p] = INWARD[g, p] - slant * ALONG[g, p]
+        seen = director[f, g]
+        up, side, lean = dot(seen, normal), dot(seen, inward), dot(seen, tangent)
+        square = up * up + side * side
+        across, turned = mixed(up, normal, side, inward), mixed(up, inward, -side, normal)
+        add_dyad(local, ALONG, g, rows, 0, c / (length * reach), normal, tangent)
+        add_dyad(local, rows, 0, rows, 0, c / reach**2, normal, inward)
+        add_dyad(local, ALONG, g, ALONG, g, 0.5 * c / length**2, normal, inward)
+        curl = mixed(0.5 * (1.0 + lean * lean) / square**2, across, -lean / square, tangent)
+        add_dyad(local, ALONG, g, ALONG, g, c / length**2, turned, curl)
+
+
+@compiled
+def blocks(  # type: ignore[no-untyped-def]
+    conn, x, u, rest, per_square, forms, to_strain, to_curvature, second, section, area,
+    rest_angle, rest_curvature, director, stored, scale, tangent, ahead, convexity, slots, target,
+):  # fmt: skip
+    n, count = len(conn), len(target)
+    exact = 1.0 - convexity
+    du, v = np.empty((5, 3)), np.empty((5, 3))
+    r, b, fields, force = np.empty(9), np.empty(15), np.empty(18), np.empty(18)
+    pull, moment, form, work = np.empty(9), np.empty(15), np.empty((5, 5)), np.empty((1, 5))
+    membrane, bending = np.empty((9, 15)), np.zeros((15, 21))
+    rows, stiff, local = np.empty((18, 21)), np.empty((18, 21)), np.empty((21, 21))
+    full = np.zeros((27, 27))
+    place = np.empty(21, np.int64)
+    for f in range(n):
+        gather(f, conn, u, rest, du, v)
+        stretch(f, rest, du, per_square, forms, r)
+        bend(f, v, x, conn, director, stored, scale, second, rest_angle, rest_curvature, b)
+        fields_of(f, r, b, to_strain, to_curvature, fields)
+        resultants_of(f, fields, section, area, force)
+        pulled_back(f, force, to_strain, to_curvature, pull, moment)
+        stretch_rows(f, v, per_square, forms, membrane)
+        bend_rows(f, v, director, scale, second, bending)
+        # Strain and curvature at the corners, each plus a third of their sum: energy is then a sum of squares.
+        for i in range(3):
+            for c in range(3):
+                for z in range(21):
+                    rows[6 * i + c, z] = 0.0
+                    rows[6 * i + 3 + c, z] = 0.0
+                for m in range(9):
+                    weight = to_strain[f, 3 * i + c, m]
+                    for z in range(15):
+                        rows[6 * i + c, z] += weight * membrane[m, z]
+                for m in range(15):
+                    weight = to_curvature[f, 3 * i + c, m]
+                    if weight != 0.0:
+                        for z in range(21):
+                            rows[6 * i + 3 + c, z] += weight * bending[m, z]
+        for c in range(6):
+            for z in range(21):
+                third = (rows[c, z] + rows[6 + c, z] + rows[12 + c, z]) / 3.0
+                rows[c, z] += third
+                rows[6 + c, z] += third
+                rows[12 + c, z] += third
+        for i in range(3):
+            for c in range(6):
+                for z in range(21):
+                    stiff[6 * i + c, z] = 0.0
+                for d in range(6):
+                    weight = section[f, c, d] * area[f] / 12.0
+                    if weight != 0.0:
+                        for z in range(21):
+                            stiff[6 * i + c, z] += weight * rows[6 * i + d, z]
+        local[:, :] = 0.0
+        if exact > 0.0:
+            for m in range(15):
+                moment[m] *= exact
+            inside_second(f, v, moment, second, local)
+            angle_second(f, v, moment, director, work, local)
+            for y in range(15):
+                for z in range(y + 1):
+                    both = local[y, z] + local[z, y]
+                    local[y, z], local[z, y] = both, both
+        if len(ahead):
+            for m in range(9):
+                pull[m] = ahead[f, m]
+        stretch_second(f, pull, per_square, forms, tangent, exact, convexity, form)
+        for p in range(5):
+            for q in range(5):
+                for axis in range(3):
+                    local[3 * p + axis, 3 * q + axis] += form[p, q]
+        for m in range(18):
+            for y in range(21):
+                weight = rows[m, y]
+                for z in range(21):
+                    local[y, z] += weight * stiff[m, z]
+        # From the vectors to the rows of the system.
+        for z in range(15):
+            place[z] = 3 + z
+        for g in range(6):
+            place[15 + g] = 18 + 3 * (g // 2) + stored[f, g]
+        full[:, :] = 0.0
+        for y in range(21):
+            for z in range(21):
+                full[place[y], place[z]] = local[y, z]
+        for axis in range(3):
+            for z in range(3, 27):
+                full[axis, z] = -full[3 + axis, z] - full[6 + axis, z]
+        for axis in range(3):
+            for other in range(3):
+                full[axis, other] = -full[axis, 3 + other] - full[axis, 6 + other]
+        pair = 0
+        for i in range(9):
+            for j in range(i, 9):
+                slot = slots[pair * n + f]
+                pair += 1
+                if slot < count:
+                    for k in range(3):
+                        for m in range(3):
+                            target[slot, k, m] += full[3 * i + k, 3 * j + m]
+                else:
+                    slot -= count
+                    for k in range(3):
+                        for m in range(3):
+                            target[slot, k, m] += full[3 * i + m, 3 * j + k]

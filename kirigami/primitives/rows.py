@@ -1,0 +1,51 @@
+"""Rows of unknowns that stand behind the nodes: what an element needs beside its corners, out of the user's sight."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kirigami.primitives.kernel import Array
+
+Index = NDArray[np.int64]
+
+
+@dataclass(frozen=True, eq=False)
+class EdgeRows:
+    """The rows that belong to the edges of shell facets.
+
+    Attributes
+    ----------
+    triangles : ndarray of int, shape (m, 3)
+        Corners of the facets.
+    ends : ndarray of int, shape (edges, 2)
+        Nodes of each edge, the lower first: the direction in which it counts angles.
+    edge : ndarray of int, shape (m, 3)
+        Edges 01, 12 and 20 of each facet.
+    middle : ndarray of int, shape (edges,)
+        Row of the offset of each edge's middle from the mean of its ends.
+    angle : ndarray of int, shape (m, 3)
+        Row of the angles of each facet's edges; facets share it, but for those on the two sides of a crease.
+    length : ndarray, shape (edges,)
+        Length of each edge at rest, which is what turns stored angles into radians.
+    """
+
+    triangles: Index
+    ends: Index
+    edge: Index
+    middle: Index
+    angle: Index
+    length: Array
+
+    @property
+    def forward(self) -> NDArray[np.bool_]:
+        """Whether each facet (m, 3) runs along its edge in the edge's own direction."""
+        return np.asarray(self.triangles < np.roll(self.triangles, -1, axis=1))
+
+    @property
+    def pairs(self) -> tuple[Index, Index]:
+        """Edges and angle rows that belong together, each pair once."""
+        both = np.unique(np.stack([self.edge.ravel(), self.angle.ravel()], axis=1), axis=0)
+        return both[:, 0], both[:, 1]
