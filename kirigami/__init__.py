@@ -23,6 +23,8 @@ _HOME = {
     "Facet": "elements.facet",
     "CurvedFacet": "elements.curved_facet",
     "Normal": "geometry.normals",
+    "ShellFacet": "elements.shell_facet",
+    "Crease": "elements.crease",
     "Fix": "model.constraints",
     "Prescribe": "model.constraints",
     "Tie": "model.constraints",
@@ -97,8 +99,10 @@ if TYPE_CHECKING:
     from kirigami.elements import stiffness as stiffness
     from kirigami.elements.bar import Bar as Bar
     from kirigami.elements.bend_hinge import BendHinge as BendHinge
+    from kirigami.elements.crease import Crease as Crease
     from kirigami.elements.curved_facet import CurvedFacet as CurvedFacet
     from kirigami.elements.facet import Facet as Facet
+    from kirigami.elements.shell_facet import ShellFacet as ShellFacet
     from kirigami.elements.stiffness import Calibration as Calibration
     from kirigami.elements.torsion_spring import TorsionSpring3 as TorsionSpring3
     from kirigami.errors import AnalysisError as AnalysisError

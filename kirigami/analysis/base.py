@@ -84,7 +84,7 @@ class Run:
             total, _ = system.forces(u, lam)
             energy = sum(system.energies(u, lam).values())
         if not (np.isfinite(total).all() and np.isfinite(energy)):
-            worst = np.flatnonzero(~np.isfinite(total).all(axis=1))[:5].tolist()
+            worst = np.flatnonzero(~np.isfinite(total[: system.points]).all(axis=1))[:5].tolist()
             named = ", ".join(f"{k} {system.model.nodes[k]!r}" for k in worst[:3])
             where = f"forces are not finite at nodes {named}" if worst else "its energy is not finite"
             raise ConvergenceError(
@@ -95,11 +95,11 @@ class Run:
             )
         reactions = float(np.linalg.norm(total[system.constrained]))
         unbalanced = float(np.linalg.norm(system.reduce(total)))
-        full = np.zeros((len(u), 3))
-        full[:, : system.dim] = u
+        nodal, inner = system.parted(u)
         return Step(
             lam=float(lam),
-            u=full,
+            u=nodal,
+            inner=inner,
             negative=negative,
             residual=residual,
             residual_over_reaction=unbalanced / reactions if reactions else float("nan"),

@@ -71,7 +71,7 @@ class Eigen(Analysis):
             raise ModelError(f"Eigen: {self.n} modes asked for, but the model has only {system.free} unknowns")
         u, lam = np.zeros_like(system.rest), 0.0
         if self.about is not None:
-            u, lam = self.about.u[:, : system.dim], self.about.lam
+            u, lam = system.joined(self.about.u, self.about.inner), self.about.lam
             system.history = self.about.history
         matrix = system.matrix(system.stiffness_blocks(u, lam))
         weight = system.reduce(np.repeat(self._nodal_mass(system)[:, None], system.dim, axis=1))

@@ -58,7 +58,7 @@ class LinearStatic(Analysis):
             u = system.displacement(q_constant + lam * q_rate, lam)
             results.append(run.make_step(u, lam, factor.negative, float("nan"), 1))
             # The residual of the linear equations, over the forces that the displacements cause block by block.
-            unbalanced = system.reduce(results._gradients[-1][:, : system.dim])
+            unbalanced = system.reduce(results._row_gradients[-1])
             caused = float(np.linalg.norm(system.plan.multiply(np.abs(blocks), np.abs(u)))) or 1.0
             results.steps[-1] = replace(
                 results.steps[-1],

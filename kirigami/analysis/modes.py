@@ -20,8 +20,7 @@ def first_largest(values: Array) -> int:
 
 def nodal_shape(system: System, vector: Array) -> Array:
     """Unknowns (free,) as a shape (n, 3): largest component 1, the first of the largest entries positive."""
-    shape = np.zeros((len(system.rest), 3))
-    shape[:, : system.dim] = system.displacement(vector, 0.0) - system.displacement(0 * vector, 0.0)
+    shape = system.parted(system.displacement(vector, 0.0) - system.displacement(0 * vector, 0.0))[0]
     first = shape.ravel()[first_largest(shape.ravel())]
     scaled: Array = shape / (np.abs(shape).max() * np.sign(first))
     return scaled

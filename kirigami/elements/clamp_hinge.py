@@ -32,6 +32,8 @@ from kirigami.primitives.parts import Numbering
 
 def clamp_kernels(groups: Sequence[Sequence[Node]], numbering: Numbering) -> list[Kernel]:
     """Hinges that keep the slope of boundary edges whose two nodes lie in one of the groups."""
+    if numbering.edges is not None:
+        return []  # the edges of shell facets have angles, which are held by elimination
     mesh, constants = numbering.mesh, numbering.sheet
     if mesh is None or constants is None:
         raise ModelError("clamp=True needs a model made by Model.from_mesh: other models have no facets to clamp")

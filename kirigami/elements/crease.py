@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Any, ClassVar
 
 import numpy as np
@@ -59,7 +60,7 @@ class Crease(ModelObject):
         line = listed(nodes, "Crease")
         if len(line) < 2:
             raise ModelError("Crease: give at least two nodes, the ends of an edge")
-        for a, b in zip(line[:-1], line[1:]):
+        for a, b in pairwise(line):
             if a is b:
                 raise ModelError(f"Crease: {a!r} follows itself")
         stiffness = require_finite(stiffness, "stiffness", "Crease")

@@ -139,7 +139,7 @@ class Bending:
         tilt = np.einsum("Aqan,ean->Aqen", frames.dual, vectors[2:])
         coefficient = -np.einsum("ecn,Aqen,Aqp->qcpn", second, tilt, AREA_ROWS, optimize=True)
         coefficient[:, :, 2:] += second.transpose(1, 0, 2)
-        return (coefficient[:, :, :, None] * frames.normal[:, None, None]).reshape(9, 5, 3, -1)
+        return np.asarray((coefficient[:, :, :, None] * frames.normal[:, None, None]).reshape(9, 5, 3, -1))
 
     def curvature_second(self, force: Array, vectors: Array, frames: AreaFrames, part: slice) -> Array:
         """Second derivatives (25, 3, 3, n) by pairs of v of the curvatures (9, n), summed with `force`."""
@@ -204,4 +204,4 @@ def _seen(frames: EdgeFrames, directors: Array) -> tuple[Array, Array, Array, Ar
 
 
 def _turned_over(dyads: Array) -> Array:
-    return dyads.swapaxes(-3, -2)
+    return np.asarray(dyads.swapaxes(-3, -2))

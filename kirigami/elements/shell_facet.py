@@ -117,7 +117,8 @@ class ShellFacet(ModelObject):
         triangles = numbering.connectivity(objects)
         check_areas("ShellFacet", triangles, numbering)
         given = [facet.normals for facet in objects]
-        numbering.edges = numbered_edges(numbering, triangles, given, folded_pairs(numbering.objects.get(Crease, ()), numbering))
+        folded = folded_pairs(numbering.objects.get(Crease, ()), numbering)
+        numbering.edges = numbered_edges(numbering, triangles, given, folded)
 
     @classmethod
     def lower(cls, objects: Sequence[ShellFacet], numbering: Numbering) -> list[Kernel]:

@@ -1,4 +1,4 @@
-"""The kernel of shell facets: energy, forces and exact tangent; :mod:`kirigami.elements.shell_facet` has the formulas."""
+"""The kernel of shell facets: energy, forces and tangent; the formulas are in :mod:`kirigami.elements.shell_facet`."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from kirigami.elements.shell_bending import (
 from kirigami.elements.shell_geometry import EDGE_OF_POINT, Chart, facet_vectors
 from kirigami.elements.shell_membrane import Membrane
 from kirigami.elements.shell_rest import angle_scale, initial_directors
-from kirigami.primitives.kernel import EXACT, Array, Contribution, Kernel, Tangent, displacement_of
+from kirigami.primitives.kernel import EXACT, Array, CompiledKernel, Contribution, Kernel, Tangent, displacement_of
 
 CHUNK = 512  # facets whose Hessians are made at a time, so that they stay in the processor's cache
 SHARE = np.eye(3) + 1 / 3  # its square is 1 + the unit matrix: the mass of the barycentric coordinates
@@ -36,6 +36,7 @@ class ShellFacetKernel(Kernel):
 
     name = "shell"
     measures_displacement = True
+    compile_from = 200  # a facet is as much work as many bars
     approximates = True
 
     def __init__(
@@ -68,6 +69,11 @@ class ShellFacetKernel(Kernel):
     def arrays(self) -> dict[str, Any]:
         return {name: getattr(self, name) for name in ("conn", "section", "forward", "density", "members")}
 
+    def compiled(self) -> CompiledKernel:
+        from kirigami.elements.compiled_shell import CompiledShell
+
+        return CompiledShell(self)
+
     # ---- directors: a gauge, moved along with the edges at every commit
 
     @property
@@ -81,7 +87,7 @@ class ShellFacetKernel(Kernel):
 
     def _local_directors(self) -> Array:
         """Directors (6, 3, n) at the Gauss points of each facet."""
-        return self._directors[self._edge, self._stored].transpose(0, 2, 1)
+        return np.asarray(self._directors[self._edge, self._stored].transpose(0, 2, 1))
 
     def commit(self, x: Array) -> None:
         frames = edge_frames(self._vectors(x)[0])
@@ -114,7 +120,8 @@ class ShellFacetKernel(Kernel):
 
     def _edge_angles(self, x: Array) -> Array:
         """Angles alpha (6, n) of the edges in the local direction and order."""
-        return np.asarray(x)[self.conn[:, 6:].T[EDGE_OF_POINT], self._stored] * self._angle_scale
+        stored: Array = np.asarray(x)[self.conn[:, 6:].T[EDGE_OF_POINT], self._stored]
+        return stored * self._angle_scale
 
     def _fields(self, x: Array) -> Array:
         """Strain and curvature (n, 3, 6) at the corners: (exx, eyy, gamma, kxx, kyy, 2 kxy)."""

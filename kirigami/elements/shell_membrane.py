@@ -74,7 +74,7 @@ class Membrane:
     def second_derivatives(self, force: Array, part: slice) -> Array:
         """Sum (5, 5, n) of `force` (9, n) times the forms Q: the second derivative is this times the unit matrix."""
         edges = force[:6] * self.per_square[:, part]
-        found = np.einsum("gpq,gn->pqn", _EDGE_FORMS, edges)
+        found: Array = np.einsum("gpq,gn->pqn", _EDGE_FORMS, edges)
         found += np.einsum("cpqn,cn->pqn", self.mean_forms[..., part], force[6:])
         return found
 

@@ -78,8 +78,8 @@ def _check_folds(
     if bad.size:
         a, b = ends[bad[0]].tolist()
         raise ModelError(
-            f"Crease: the edge from {numbering.describe(a)} to {numbering.describe(b)} has {ahead[bad[0]] + back[bad[0]]}"
-            " facet(s): a crease folds two facets, alike oriented, against each other"
+            f"Crease: the edge from {numbering.describe(a)} to {numbering.describe(b)} has "
+            f"{ahead[bad[0]] + back[bad[0]]} facet(s): a crease folds two facets, alike oriented, against each other"
         )
 
 
@@ -152,4 +152,4 @@ def corner_normals(points: Array, triangles: Index, edge: Index, is_fold: NDArra
     np.add.at(total, label, weighted.reshape(-1, 3))
     size = np.linalg.norm(total, axis=1)
     mean = (total / np.where(size > 0, size, 1.0)[:, None])[label].reshape(-1, 3, 3)
-    return np.where((size > 0)[label].reshape(-1, 3, 1), mean, facet[:, None])
+    return np.asarray(np.where((size > 0)[label].reshape(-1, 3, 1), mean, facet[:, None]))

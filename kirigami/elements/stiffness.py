@@ -36,7 +36,7 @@ from kirigami.primitives.material import Material
 if TYPE_CHECKING:
     from kirigami.geometry.mesh import TriMesh
 
-RUNGS = ("paper", "plate", "facet", "split")  # from cheap to accurate
+RUNGS = ("paper", "plate", "facet", "split", "shell")  # from cheap to accurate
 
 
 @dataclass(frozen=True)
@@ -74,7 +74,7 @@ class Calibration:
         """The calibration of a name, or the one given."""
         if isinstance(stiffness, Calibration):
             return stiffness
-        if stiffness in ("plate", "facet", "split"):
+        if stiffness in ("plate", "facet", "split", "shell"):
             return cls(F_s=1.0, c=1 / (12 * (1 - material.nu**2)))
         if stiffness == "paper":
             return cls(F_s=0.85, c=0.125 / 48)

@@ -40,6 +40,25 @@ def paired_half_edges(triangles: Integers) -> tuple[Integers, Integers]:
     return first, second
 
 
+def edges_within(edge: Integers, ends: Integers, inside: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """Which edges a set of nodes holds: those with both ends in it that have one facet, or facets all in the set.
+
+    Parameters
+    ----------
+    edge : ndarray of int, shape (m, 3)
+        Edges of each facet.
+    ends : ndarray of int, shape (e, 2)
+        Nodes of each edge.
+    inside : ndarray of bool, shape (n,)
+        Which nodes are in the set.
+    """
+    both = np.asarray(inside[ends].all(axis=1))
+    whole = both[edge].all(axis=1)  # a facet whose three edges are in the set has its corners there
+    facets = np.bincount(edge.ravel(), minlength=len(ends))
+    held = np.bincount(edge[whole].ravel(), minlength=len(ends))
+    return np.asarray(both & ((facets == 1) | (held == facets)))
+
+
 def sides(nodes: Floats, triangles: Integers) -> Floats:
     """Vectors from each corner to the next, shape (m, 3, 3)."""
     corners = nodes[triangles]

@@ -46,6 +46,12 @@ def populate(
     rung = stiffness if isinstance(stiffness, str) else "calibration"
     model.mesh = mesh
     model.sheet_constants = SheetConstants(calibration, thickness, material, rung)
+    if rung == "shell":
+        from kirigami.elements.shell_facet import ShellFacet
+
+        corners = mesh.triangles.tolist()
+        model.add(*(ShellFacet(nodes[i], nodes[j], nodes[k], thickness, material) for i, j, k in corners))
+        return
     if rung in ("facet", "split"):
         if model.dim == 2 and rung == "split":
             raise ModelError("Model.from_mesh: stiffness='split' bends, so it needs dim=3; in a plane use 'facet'")

@@ -145,6 +145,8 @@ class Kernel:
         True where the potential depends on the load factor, which it must do linearly.
     anchored : bool
         True where rigid motions of its members cost energy, as for a support.
+    compile_from : int
+        Members from which a compiled twin pays.
     approximates : bool
         True where :meth:`evaluate` takes a further argument `tangent`, a :class:`Tangent`.
 
@@ -173,6 +175,7 @@ class Kernel:
     scaled: bool = False
     anchored: bool = False
     approximates: bool = False
+    compile_from: int = 5_000
     normals: tuple[NDArray[np.int64], NDArray[np.int64]] | None = None  # nodes and tips of their normals, if it has any
 
     def __init_subclass__(cls) -> None:
@@ -209,6 +212,11 @@ class Kernel:
     def mass(self, lumped: bool = False) -> Array | None:
         """Mass matrices (n, k, k) of the members, the same along every axis, or None where it has no mass."""
         return None
+
+    def rigidly_moved(self, x: Array, rotation: Array, shift: Array) -> Array:
+        """Rows `x` after a rotation (dim, dim) and a shift (dim,) of the structure: the points moved, and what stands
+        behind them (see :class:`kirigami.Numbering`) as the kernel needs it for an energy that does not change."""
+        return np.asarray(np.asarray(x) @ rotation.T + shift)
 
     # ---- history
 

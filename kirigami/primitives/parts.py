@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from kirigami.primitives.kernel import Array, Configuration, Kernel, full_hessian
 from kirigami.primitives.node import Node
+from kirigami.primitives.rows import EdgeRows
 
 NO_NORMALS = np.empty(0, np.int64), np.empty(0, np.int64)
 
@@ -57,6 +58,10 @@ class ModelObject:
         raise NotImplementedError
 
     @classmethod
+    def reserve(cls, objects: Sequence[Any], numbering: Numbering) -> None:
+        """Ask for rows of unknowns behind the nodes, before anything is lowered; most need none."""
+
+    @classmethod
     def lower(cls, objects: Sequence[Any], numbering: Numbering) -> list[Kernel]:
         """Turn all objects of this class, at once, into kernels."""
         raise NotImplementedError
@@ -64,6 +69,9 @@ class ModelObject:
 
 class Numbering:
     """What lowering needs to know of a model.
+
+    Unknowns stand in rows of `dim` numbers, the nodes first. An element may ask for rows behind them
+    (:meth:`add_rows`), which only the system, the kernels and stored steps see: no selection, load or export does.
 
     Parameters
     ----------
@@ -82,6 +90,18 @@ class Numbering:
         Unknowns per node.
     size : float
         Size of the structure, by which "zero length" is judged.
+    points : int
+        Number of nodes; rows from there on stand behind them.
+    rest : ndarray, shape (rows, dim)
+        What each row holds in the rest state: the position of a node.
+    reach : ndarray, shape (rows,)
+        Change [length] of a row behind the nodes that turns an element by one radian.
+    idle : ndarray of bool, shape (rows, dim)
+        Numbers that no element reads, so that they are no unknowns.
+    edges : EdgeRows or None
+        The rows of the edges of shell facets.
+    objects : dict
+        What is lowered, by class.
 
     Examples
     --------
@@ -107,6 +127,11 @@ class Numbering:
         self.normals = normals
         self.size = float(np.linalg.norm(np.ptp(rest, axis=0))) or 1.0
         self.kernels: list[Kernel] = []  # what has been lowered so far: elements come before what acts on them
+        self.points = len(rest)
+        self.reach = np.full(self.points, np.inf)
+        self.idle = np.zeros(rest.shape, dtype=bool)
+        self.edges: EdgeRows | None = None
+        self.objects: dict[type[ModelObject], list[Any]] = {}
         self._index = {id(node): position for position, node in enumerate(self.nodes)}
 
     @property
@@ -114,6 +139,25 @@ class Numbering:
         """Old way to ``mesh`` and ``nodes``, which stand on the numbering itself."""
         warnings.warn("numbering.model is now numbering itself: numbering.mesh", DeprecationWarning, stacklevel=2)
         return self
+
+    def add_rows(self, rest: Array, reach: Array, idle: NDArray[np.bool_] | None = None) -> NDArray[np.int64]:
+        """Numbers (k,) of new rows behind the nodes.
+
+        Parameters
+        ----------
+        rest : ndarray, shape (k, dim)
+            What they hold in the rest state.
+        reach : ndarray, shape (k,)
+            Change [length] of each that turns an element by one radian.
+        idle : ndarray of bool, shape (k, dim) or (1, dim), optional
+            Numbers that no element reads.
+        """
+        first = len(self.rest)
+        self.rest = np.concatenate([self.rest, rest])
+        self.reach = np.concatenate([self.reach, reach])
+        unread = np.zeros(rest.shape, dtype=bool) if idle is None else np.broadcast_to(idle, rest.shape)
+        self.idle = np.concatenate([self.idle, unread])
+        return np.arange(first, len(self.rest))
 
     def index(self, nodes: Iterable[Node]) -> NDArray[np.int64]:
         """Indices of nodes."""

@@ -44,6 +44,16 @@ class EdgeRows:
         """Whether each facet (m, 3) runs along its edge in the edge's own direction."""
         return np.asarray(self.triangles < np.roll(self.triangles, -1, axis=1))
 
+    def turn(self, x: Array, rate: Array, field: Array) -> None:
+        """Write into `field` (rows, 3) what a rotation with the vector `rate` (3,) changes in these rows at `x`."""
+        chord, offset = x[self.ends[:, 1]] - x[self.ends[:, 0]], x[self.middle]
+        field[self.middle] = np.cross(rate, offset)
+        edge, row = self.pairs
+        for point, slope in enumerate((4 / np.sqrt(3), -4 / np.sqrt(3))):  # of the middle's hump at the Gauss points
+            tangent = chord + slope * offset
+            tangent /= np.linalg.norm(tangent, axis=1)[:, None]
+            field[row, point] = -(self.length * (tangent @ rate))[edge]
+
     @property
     def pairs(self) -> tuple[Index, Index]:
         """Edges and angle rows that belong together, each pair once."""

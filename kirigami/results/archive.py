@@ -25,9 +25,11 @@ KERNELS = {
     "BendHingeKernel": "elements.bend_hinge",
     "ClampHingeKernel": "elements.clamp_hinge",
     "ContactKernel": "effects.contact",
+    "CreaseKernel": "elements.crease",
     "CurvedFacetKernel": "elements.curved_facet",
     "FacetKernel": "elements.facet",
     "NodalLoadKernel": "model.loads",
+    "ShellFacetKernel": "elements.shell_kernel",
     "TorsionSpring3Kernel": "elements.torsion_spring",
 }
 
@@ -53,6 +55,8 @@ def pack(results: Results, with_kernels: bool = True) -> dict[str, Any]:
     located = [event.located for event in results.events if event.located is not None]
     steps = [*results.steps, *located]
     arrays["u"] = np.array([step.u for step in steps]).reshape(len(steps), len(results.rest), 3)
+    arrays["inner_rest"] = results.inner_rest
+    arrays["inner"] = np.array([step.inner for step in steps]).reshape(len(steps), len(results.inner_rest), 3)
     arrays["lam"] = np.array([step.lam for step in steps])
     for position in range(max((len(step.history) for step in steps), default=0)):
         for number, step in enumerate(steps):
@@ -167,7 +171,8 @@ def _rebuild(head: dict[str, Any], data: dict[str, Any]) -> Results:
     results.rest, results.constrained, results.stats = data["rest"], data["constrained"], head["stats"]
     results.mesh = None
     results.kernels = []
-    rest = np.ascontiguousarray(results.rest[:, : results.dim])
+    results.inner_rest = data.get("inner_rest", np.zeros((0, results.dim)))
+    rest = np.concatenate([results.rest[:, : results.dim], results.inner_rest])
     for position, entry in enumerate(head["kernels"]):
         prefix = f"kernel{position}."
         values = {key[len(prefix) :]: value for key, value in data.items() if key.startswith(prefix)}
@@ -202,6 +207,7 @@ def unpack_path(head: dict[str, Any], data: dict[str, Any]) -> tuple[list[Step],
             iterations=iterations,
             history=tuple(data.get(f"history{position}.{index}") for position in range(kernels)),
             stage=stage,
+            inner=data["inner"][index] if "inner" in data else np.zeros((0, 3)),
         )
         for index, (negative, residual, over_reaction, iterations, kernels, stage) in enumerate(head["steps"])
     ]

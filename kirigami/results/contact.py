@@ -8,7 +8,7 @@ import numpy as np
 
 from kirigami.effects.contact import Contact, ContactKernel
 from kirigami.errors import ModelError
-from kirigami.primitives.kernel import Array, Configuration
+from kirigami.primitives.kernel import Array
 from kirigami.results.results import Results
 
 
@@ -91,6 +91,4 @@ def _over_steps(results: Results, contact: Contact | None, quantity: Any) -> Arr
             raise ModelError(f"{contact!r} is not in the model of these results")
         assert kernel.members is not None
         chosen = np.flatnonzero(kernel.members == number)
-    dim = results.dim
-    positions = (Configuration(results.rest[:, :dim], step.u[:, :dim]) for step in results.steps)
-    return np.array([quantity(kernel, x)[chosen] for x in positions])
+    return np.array([quantity(kernel, results.configuration(step))[chosen] for step in results.steps])

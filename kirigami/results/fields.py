@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from kirigami.errors import AnalysisError
-from kirigami.primitives.kernel import Array, Configuration, Kernel, hessian_product
+from kirigami.primitives.kernel import Array, Kernel, hessian_product
 from kirigami.results.results import Results
 from kirigami.results.step import Step
 
@@ -89,9 +89,9 @@ def nodal_energy(results: Results) -> Array:
     for kernel in results.kernels:
         if not kernel.stores_energy or not len(kernel.conn):  # loads store nothing
             continue
-        share = 1.0 / kernel.conn.shape[1]
+        nodes = kernel.conn[:, (kernel.conn < len(results.rest)).all(axis=0)]
         for row, step in zip(total, results.steps):
-            np.add.at(row, kernel.conn, share * _element_energy(results, kernel, step)[:, None])
+            np.add.at(row, nodes, _element_energy(results, kernel, step)[:, None] / nodes.shape[1])
     return total
 
 
@@ -109,10 +109,9 @@ def _element_energy(results: Results, kernel: Kernel, step: Step) -> Array:
     if not results.linear:
         energy: Array = results.evaluate_at(kernel, step, lambda x: kernel.evaluate(x, step.lam, 0)).energy
         return energy
-    rest = results.rest[:, : results.dim]
-    start = kernel.evaluate(Configuration(rest, np.zeros_like(rest)), step.lam, 2)
+    start = kernel.evaluate(results.configuration(), step.lam, 2)
     assert start.gradient is not None
-    u = step.u[kernel.conn][..., : results.dim]
+    u = results.rows(step)[kernel.conn]
     first = np.einsum("nka,nka->n", start.gradient, u)
     second = 0.5 * (u * hessian_product(kernel, start, u)).sum(axis=(1, 2))
     return np.asarray(start.energy + first + second)

@@ -59,6 +59,7 @@ class Results:
         self.name = system.model.name
         self.dim: int = system.dim
         self.rest = system.model.positions()
+        self.inner_rest = system.rest[system.points :]  # what the rows behind the nodes hold at rest, (h, dim)
         self.kernels = system.kernels
         self.mesh: TriMesh | None = system.model.mesh
         self.constrained = system.constrained
@@ -75,7 +76,7 @@ class Results:
     def append(self, step: Step) -> None:
         """Store one more step; derived quantities are computed anew when asked for."""
         self.steps.append(step)
-        for name in ("lam", "u", "_gradients", "energy", "bar_strain", "hinge_angle", "spring_angle"):
+        for name in ("lam", "u", "_row_gradients", "energy", "bar_strain", "hinge_angle", "spring_angle"):
             self.__dict__.pop(name, None)
 
     @cached_property
@@ -125,11 +126,21 @@ class Results:
     def _deformation(self, kernel: Kernel, step: Step) -> Array:
         """Strain or angle (members,) of a kernel at a step; to first order for a linear analysis."""
         if self.linear:
-            at_rest = Configuration(self.rest[:, : self.dim], np.zeros((len(self.rest), self.dim)))
-            linearised: Array = kernel.deformation(at_rest) + kernel.deformation_rate(at_rest, step.u[:, : self.dim])
+            at_rest = self.configuration()
+            linearised: Array = kernel.deformation(at_rest) + kernel.deformation_rate(at_rest, self.rows(step))
             return linearised
         found: Array = self.evaluate_at(kernel, step, lambda x: kernel.deformation(x))
         return found
+
+    def rows(self, step: Step | None = None) -> Array:
+        """Displacements (rows, dim) at a step, or at rest, of the nodes and the rows that elements keep behind them."""
+        if step is None:
+            return np.zeros((len(self.rest) + len(self.inner_rest), self.dim))
+        return np.concatenate([step.u, step.inner])[:, : self.dim]
+
+    def configuration(self, step: Step | None = None) -> Configuration:
+        """What kernels are evaluated at: all rows at a step, or at rest."""
+        return Configuration(np.concatenate([self.rest[:, : self.dim], self.inner_rest]), self.rows(step))
 
     def evaluate_at(self, kernel: Kernel, step: Step, evaluate: Any) -> Any:
         """``evaluate(configuration)`` with the history a kernel had at a step; the kernel's own is left untouched."""
@@ -138,22 +149,27 @@ class Results:
         if before is not None and 0 <= position < len(step.history) and step.history[position] is not None:
             kernel.history = step.history[position]
         try:
-            return evaluate(Configuration(self.rest[:, : self.dim], step.u[:, : self.dim]))
+            return evaluate(self.configuration(step))
         finally:
             if before is not None:
                 kernel.history = before
 
-    @cached_property
+    @property
     def _gradients(self) -> Array:
         """Gradient of the potential (s, n, 3): support reactions at constrained displacements, else about zero."""
+        nodal = np.zeros((len(self.steps), len(self.rest), 3))
+        nodal[..., : self.dim] = self._row_gradients[:, : len(self.rest)]
+        return nodal
+
+    @cached_property
+    def _row_gradients(self) -> Array:
+        """The same (s, rows, dim), with the rows that elements keep behind the nodes."""
         from kirigami.system.assembly import scatter_add
 
-        total = np.zeros((len(self.steps), len(self.rest), 3))
         normals = [kernel.normals for kernel in self.kernels if kernel.normals is not None]
-        rest = self.rest[:, : self.dim]
-        at_rest = Configuration(rest, np.zeros_like(rest))
-        for field_, step in zip(total, self.steps):
-            target = np.zeros_like(rest)
+        at_rest = self.configuration()
+        total = np.zeros((len(self.steps), *at_rest.shape))
+        for target, step in zip(total, self.steps):
             for kernel in self.kernels:
                 if self.linear:
                     from kirigami.primitives.kernel import hessian_product
@@ -162,15 +178,13 @@ class Results:
                     gradient = at_start.gradient
                     assert gradient is not None
                     if kernel.pairs != ():
-                        moved = step.u[kernel.conn][..., : self.dim]
-                        gradient = gradient + hessian_product(kernel, at_start, moved)
+                        gradient = gradient + hessian_product(kernel, at_start, self.rows(step)[kernel.conn])
                 else:
                     gradient = self.evaluate_at(kernel, step, lambda x: kernel.evaluate(x, step.lam, 1)).gradient  # noqa: B023
                 assert gradient is not None
                 scatter_add(target, kernel.conn, gradient)
             for base, tip in normals:  # what holds the normal of a node holds the node
                 np.add.at(target, base, target[tip])
-            field_[:, : self.dim] = target
         return total
 
     def reaction(self, nodes: Node | int | Iterable[Node | int], axis: str | None = None) -> Array:
@@ -221,10 +235,9 @@ class Results:
     def _linear_energy(self, kernel: Kernel, step: Step) -> float:
         from kirigami.primitives.kernel import hessian_product
 
-        rest = self.rest[:, : self.dim]
-        start = kernel.evaluate(Configuration(rest, np.zeros_like(rest)), step.lam, 2)
+        start = kernel.evaluate(self.configuration(), step.lam, 2)
         assert start.gradient is not None
-        u = step.u[kernel.conn][..., : self.dim]
+        u = self.rows(step)[kernel.conn]
         second = 0.5 * (u * hessian_product(kernel, start, u)).sum()
         return float(start.energy.sum() + (start.gradient * u).sum() + second)
 

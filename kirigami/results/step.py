@@ -30,6 +30,8 @@ class Step:
         Norm of the residual over the norm of the support reactions (nan without reactions).
     iterations : int
         Corrections it took.
+    inner : ndarray, shape (h, 3)
+        Displacements of the rows that elements keep behind the nodes; an analysis that starts here needs them.
     history : tuple
         What history-dependent kernels need to go on from here.
     stage : int
@@ -54,6 +56,7 @@ class Step:
     iterations: int = 0
     history: tuple[Array | None, ...] = ()
     stage: int = 0
+    inner: Array = field(default_factory=lambda: np.zeros((0, 3)))
 
     @property
     def stable(self) -> bool:

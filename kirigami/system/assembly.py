@@ -16,7 +16,8 @@ from numpy.typing import NDArray
 from kirigami.primitives.kernel import Array, CompiledKernel, Kernel
 
 Index = NDArray[np.int64]
-MEMBERS = 5_000  # members of a kernel below which numpy is fast enough
+
+MEMBERS = 5_000  # members of a kernel below which numpy is fast enough, but for kernels that say less
 
 
 def scatter_add(target: Array, conn: Index, values: Array) -> None:
@@ -76,9 +77,9 @@ class BlockPlan:
 
         assembly_loops.complete(self.low, self.high, self.own, blocks)
 
-    def links(self, rest: Array) -> tuple[Index, Index, Array]:
-        """Joined node pairs and their distance."""
-        off = self.low != self.high
+    def links(self, rest: Array, points: int) -> tuple[Index, Index, Array]:
+        """Joined pairs of the first `points` rows, which are nodes, and their distance."""
+        off = (self.low != self.high) & (self.high < points)
         low, high = self.low[off], self.high[off]
         distance = np.linalg.norm(rest[high] - rest[low], axis=1)
         apart = distance > 0
@@ -112,7 +113,8 @@ def twins(kernels: list[Kernel]) -> list[CompiledKernel | None]:
     all of them where the environment variable KIRIGAMI_COMPILED is 0.
     """
     wanted = os.environ.get("KIRIGAMI_COMPILED") != "0" and importlib.util.find_spec("numba") is not None
-    return [kernel.compiled() if wanted and len(kernel.conn) >= MEMBERS else None for kernel in kernels]
+    pays = [wanted and len(kernel.conn) >= min(MEMBERS, kernel.compile_from) for kernel in kernels]
+    return [kernel.compiled() if worth else None for kernel, worth in zip(kernels, pays)]
 
 
 class PickPlan:

@@ -20,7 +20,7 @@ FREE = 1e-14  # energy of a motion over that of its members one by one; rounding
 
 
 def connected_parts(system: System) -> list[Index]:
-    """Node indices of each part that elements or ties hold together."""
+    """Rows of each part that elements or ties hold together: its nodes, then those behind them."""
     from scipy.sparse import coo_matrix
     from scipy.sparse.csgraph import connected_components
 
@@ -43,7 +43,8 @@ def free_rigid_motions(system: System) -> tuple[str, list[int], str] | None:
     """The first part with free rigid motions: the motion, its nodes, and a message in words; None if all are held."""
     parts = connected_parts(system)
     for part in parts:
-        fields, names = rigid_motions(system.rest[part])
+        fields, names = rigid_fields(system, part)
+        nodes = part[part < system.points]
         motions = fields.reshape(len(fields), -1)
         # The motion that the constraints allow is the part of the field that T can carry; what is left over is held.
         full = np.zeros((len(motions), system.rest.size))
@@ -74,16 +75,31 @@ def free_rigid_motions(system: System) -> tuple[str, list[int], str] | None:
             said.append("a rotation about an axis through its supports" if not said else "combinations of these")
         motion = ", ".join(said)
         where = "the structure" if len(parts) == 1 else (
-            f"a part of {len(part)} nodes (one of {len(parts)}) around "
-            f"({', '.join(f'{c:.6g}' for c in system.rest[part].mean(axis=0))})"
+            f"a part of {len(nodes)} nodes (one of {len(parts)}) around "
+            f"({', '.join(f'{c:.6g}' for c in system.rest[nodes].mean(axis=0))})"
         )
         support = "it has no support" if not held.any() else "its supports do not hold it"
         message = (
             f"{where} can move as a rigid body: {motion}; {support}. "
             "Add Fix or Prescribe objects that stop the motion named."
         )
-        return motion, part.tolist(), message
+        return motion, nodes.tolist(), message
     return None
+
+
+def rigid_fields(system: System, part: Index) -> tuple[Array, list[str]]:
+    """Rigid motions of a part, on all its rows (motions, rows, dim) of size about 1, and their names."""
+    nodes = part[part < system.points]
+    points = system.rest[nodes]
+    fields, names = rigid_motions(points)
+    if len(nodes) == len(part) or system.edges is None:
+        return fields, names
+    rate = 1.0 / (float(np.abs(points - points.mean(axis=0)).max(initial=0.0)) or 1.0)
+    full = np.zeros((len(fields), *system.rest.shape))
+    full[:, nodes] = fields
+    for axis in range(3):
+        system.edges.turn(system.rest, rate * np.eye(3)[axis], full[3 + axis])
+    return full[:, part], names
 
 
 def _resistance(system: System, motions: Array, at: Index) -> Array:
@@ -156,7 +172,7 @@ def _factor_is_sound(matrix: Any, factor: Factor) -> bool:
 
 def describe_motion(system: System, shape: Array) -> tuple[str, list[int]]:
     """A motion (n, dim) in words: which nodes move most, and along which axis."""
-    size = np.linalg.norm(shape, axis=1)
+    size = np.linalg.norm(shape[: system.points], axis=1)
     moving = np.flatnonzero(size > 0.1 * size.max())
     order = moving[np.argsort(-size[moving], kind="stable")]
     share = np.sqrt((shape[moving] ** 2).sum(axis=0))

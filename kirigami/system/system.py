@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike
 from kirigami.errors import MechanismError, ModelError
 from kirigami.model.model import Model
 from kirigami.primitives.kernel import EXACT, Array, Configuration, Kernel, Tangent, hessian_blocks
-from kirigami.primitives.parts import ModelObject, Numbering
+from kirigami.primitives.parts import Numbering
 from kirigami.system.assembly import BlockPlan, Index, PickPlan, compiled_largest_turn, scatter_add, twins
 from kirigami.system.clock import Clock
 from kirigami.system.unknowns import Unknowns
@@ -36,8 +36,11 @@ class System(Unknowns):
     ----------
     kernels : list of Kernel
         Everything that makes force.
-    rest : ndarray, shape (n, dim)
-        Node positions without displacement.
+    points : int
+        Number of nodes. Displacements `u` have a row for each of them and, behind, those that elements asked for (see
+        :class:`kirigami.Numbering`).
+    rest : ndarray, shape (rows, dim)
+        Node positions without displacement, and what the rows behind them hold then.
     free : int
         Number of unknowns.
     length, stiffness_scale, noise : float
@@ -70,8 +73,9 @@ class System(Unknowns):
         with self.clock("lowering"):
             rest = model.positions()[:, : model.dim].copy()
             numbering = Numbering(model.nodes, rest, model.mesh, model.sheet_constants, model.normals)
-            self.size = numbering.size
+            self.size, self.points = numbering.size, numbering.points
             self.kernels = self._lower(model.objects, numbering)
+            self._reach = numbering.reach[self.points :]
             super().__init__(numbering, model.constraints)
             self._check_dangling(numbering)
             self._measure()
@@ -84,10 +88,11 @@ class System(Unknowns):
 
     @staticmethod
     def _lower(objects: list[Any], numbering: Numbering) -> list[Kernel]:
-        by_type: dict[type[ModelObject], list[Any]] = {}
         for item in objects:
-            by_type.setdefault(type(item), []).append(item)
-        for cls, items in by_type.items():
+            numbering.objects.setdefault(type(item), []).append(item)
+        for cls, items in numbering.objects.items():
+            cls.reserve(items, numbering)
+        for cls, items in numbering.objects.items():
             numbering.kernels.extend(cls.lower(items, numbering))
         return numbering.kernels
 
@@ -100,7 +105,7 @@ class System(Unknowns):
         unknown = self.unknown.reshape(self.rest.shape)
         moving[unknown[touched][unknown[touched] >= 0]] = True
         still = np.append(~moving, False)  # the last entry answers for known displacements, index -1
-        loose = np.flatnonzero(np.any(still[unknown], axis=1))
+        loose = np.flatnonzero(np.any(still[unknown[: self.points]], axis=1))
         if loose.size:
             raise ModelError(
                 f"{loose.size} dangling node(s) that no element holds, the first {numbering.describe(int(loose[0]))}: "
@@ -117,7 +122,7 @@ class System(Unknowns):
             hessian = hessian_blocks(kernel, rest, 0.0)
             stiffness.append(np.sqrt((hessian.reshape(len(kernel.conn), -1) ** 2).sum(axis=1)))
             shrinks.append(np.full(len(kernel.conn), kernel.measures_displacement))
-            if kernel.conn.shape[1] > 1:
+            if kernel.conn.shape[1] > 1 and kernel.conn[:, :2].max(initial=0) < self.points:
                 corner = self.rest[kernel.conn[:, :2]]
                 lengths.append(np.linalg.norm(corner[:, 1] - corner[:, 0], axis=1))
         self.length = float(np.median(np.concatenate(lengths))) if lengths else self.size
@@ -139,8 +144,23 @@ class System(Unknowns):
             raise ModelError("the model was edited after this System was made: make a new System or analysis")
 
     def configuration(self, u: Array) -> Configuration:
-        """Current positions (n, dim) at displacements `u` (n, dim or 3)."""
+        """Current rows (rows, dim) at displacements `u` (rows, dim or 3)."""
         return Configuration(self.rest, np.asarray(u, dtype=float)[:, : self.dim])
+
+    def parted(self, u: Array) -> tuple[Array, Array]:
+        """Displacements (rows, dim) parted into those of the nodes, (n, 3), and of the rows behind them, (h, 3)."""
+        full = np.zeros((len(u), 3))
+        full[:, : self.dim] = u
+        return full[: self.points], full[self.points :]
+
+    def joined(self, u: Array, inner: Array) -> Array:
+        """The rows (rows, dim) of displacements (n, 3) of the nodes and (h, 3) of the rows behind them."""
+        if len(u) + len(inner) != len(self.rest):
+            raise ModelError(
+                f"these displacements are of {len(u)} nodes and {len(inner)} rows behind them, but the model has "
+                f"{self.points} and {len(self.rest) - self.points}"
+            )
+        return np.concatenate([u, inner])[:, : self.dim]
 
     # ---- evaluation
 
@@ -184,9 +204,7 @@ class System(Unknowns):
     def gradient(self, u: ArrayLike, lam: float = 0.0) -> Array:
         """Gradient of the total potential (n, 3) at displacements `u` (n, 3): internal minus external forces."""
         self.check_version()
-        total = np.zeros((len(self.rest), 3))
-        total[:, : self.dim] = self.forces(np.asarray(u, dtype=float), lam)[0]
-        return total
+        return self.parted(self.forces(np.asarray(u, dtype=float), lam)[0])[0]
 
     def potential_rate(self, u: Array, lam: float) -> float:
         """Change of the total potential with the load factor at an equilibrium: what the drive works."""
@@ -298,13 +316,14 @@ class System(Unknowns):
         plan = self.plan
         with self.clock("step control"):
             if self._links is None:
-                self._links = plan.links(self.rest)
+                self._links = plan.links(self.rest, self.points)
             low, high, distance = self._links
+            behind = float(np.max(np.linalg.norm(change[self.points :], axis=1) / self._reach, initial=0.0))
             if any(self.twins):
-                return compiled_largest_turn(change, low, high, distance)
+                return max(behind, compiled_largest_turn(change, low, high, distance))
             columns = np.ascontiguousarray(change.T)
             square = ((columns[:, high] - columns[:, low]) ** 2).sum(axis=0)
-            return float(np.sqrt((square / distance**2).max(initial=0.0)))
+            return max(behind, float(np.sqrt((square / distance**2).max(initial=0.0))))
 
     # ---- history
 

@@ -12,6 +12,7 @@ from kirigami.primitives.kernel import Array
 from kirigami.primitives.node import AXES
 from kirigami.primitives.parts import Numbering
 from kirigami.system.assembly import Index
+from kirigami.system.edges import held_angles, held_middles
 
 
 class Unknowns:
@@ -23,6 +24,7 @@ class Unknowns:
     def __init__(self, numbering: Numbering, constraints: Sequence[Any]) -> None:
         self.dim = numbering.dim
         self.rest = numbering.rest
+        self.edges = numbering.edges
         dofs = self.rest.size
         leader = np.arange(dofs)
         fixed = np.zeros(dofs, dtype=bool)
@@ -48,6 +50,18 @@ class Unknowns:
                 of_group = np.isin(base, nodes)
                 for axis_number in range(self.dim):
                     leader[tip[of_group] * self.dim + axis_number] = base[of_group] * self.dim + axis_number
+            if numbering.edges is not None:
+                still = held_middles(numbering.edges, item, nodes, leaders, self.dim)
+                if item.clamp:
+                    angles = held_angles(numbering.edges, nodes, self.dim)
+                    if not len(angles):
+                        raise ModelError(
+                            f"{item!r} has clamp=True, but its nodes hold no edge on the boundary and no whole facet "
+                            f"(the first is {numbering.describe(int(nodes[0]))}): select both ends of edges to clamp"
+                        )
+                    still = np.concatenate([still, angles])
+                owner[still], fixed[still] = position, True
+        fixed |= numbering.idle.ravel()
         for _ in range(dofs):
             following = np.flatnonzero(leader[leader] != leader)
             if not following.size:
@@ -73,7 +87,7 @@ class Unknowns:
         self.free = int(heads.size)
         self.drive = drive
         self.held = held
-        self.constrained = owner.reshape(-1, self.dim) >= 0
+        self.constrained = (owner.reshape(-1, self.dim) >= 0) | numbering.idle
 
     @staticmethod
     def _check_conflict(

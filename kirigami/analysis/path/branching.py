@@ -20,7 +20,7 @@ def leave_along_mode(run: PathRun, located: Step, mode: Array, sign: int) -> tup
     on is no solution, and it does not matter whether the load rises or falls on the branch.
     """
     system = run.system
-    q = system.unknowns(located.u)
+    q = system.unknowns(system.joined(located.u, located.inner))
     origin = State(q, located.lam, system.displacement(q, located.lam))
     direction = sign * system.unknowns(mode)
     shape = system.displacement(direction, 0.0) - system.displacement(0 * direction, 0.0)
@@ -66,7 +66,7 @@ def switch(
         if found is not None:
             message = f"left at the bifurcation at load factor {event.lam:.6g} for the branch along its mode"
             run.results.events.append(Event("switch", event.lam, event.step, message, event.bracket))
-            q = run.system.unknowns(event.located.u)
+            q = run.system.unknowns(run.system.joined(event.located.u, event.located.inner))
             lam = event.located.lam
             origin = Point(State(q, lam, run.system.displacement(q, lam)), before.tangent, event.located.history)
             return origin, *found

@@ -150,7 +150,7 @@ def _add(digest: Any, value: Any, model: Model) -> None:
     elif isinstance(value, Node):
         digest.update(f"node {model.index(value)[0]};".encode())
     elif isinstance(value, Step):
-        _add(digest, [value.lam, value.u, list(value.history), value.stage], model)
+        _add(digest, [value.lam, value.u, value.inner, list(value.history), value.stage], model)
     elif is_dataclass(value) and not isinstance(value, type):
         content = {field.name: getattr(value, field.name) for field in fields(value)}
         _add(digest, [type(value).__qualname__, content], model)
@@ -172,7 +172,7 @@ def resume(run: PathRun, start: State, stored: Results, memory: dict[str, Any]) 
         results.append(step)
     results.events.extend(stored.events)
     last, before = results[-1], results[max(len(results) - 2, 0)]
-    q = system.unknowns(last.u)
+    q = system.unknowns(system.joined(last.u, last.inner))
     state = State(q, last.lam, system.displacement(q, last.lam))
     system.history = before.history  # as it was when the tangent was taken
     tangent = run.tangent_at(Attempt(state, True, last.residual, 0))

@@ -157,19 +157,19 @@ class Walk(PathRun):
         system, start = self.system, self.settings.start
         lam, u = 0.0, np.zeros_like(system.rest)
         if start is not None:
-            if start.u.shape[0] != len(system.rest):
-                raise ModelError(f"start has {start.u.shape[0]} nodes, the model has {len(system.rest)}")
+            if start.u.shape[0] != system.points:
+                raise ModelError(f"start has {start.u.shape[0]} nodes, the model has {system.points}")
+            u = system.joined(start.u, start.inner)
             if start.stage == system.model.stage:
                 lam = start.lam
             else:
-                system.start_stage(start.u)
-            error = system.constraint_error(start.u, lam)
+                system.start_stage(u)
+            error = system.constraint_error(u, lam)
             if error > 1e-6 * system.size:
                 raise ModelError(
                     f"start does not satisfy the constraints at load factor {lam:.6g} (off by {error:.3g}): "
                     "after changing supports call model.hold(step), which keeps what the earlier stage drove"
                 )
-            u = start.u[:, : system.dim]
             system.history = start.history
         q = system.unknowns(u)
         state = State(q, lam, system.displacement(q, lam))
@@ -213,7 +213,7 @@ class Walk(PathRun):
         unbalanced = np.zeros(system.rest.size)
         moving = system.unknown >= 0
         unbalanced[moving] = total.ravel()[moving]
-        size = np.linalg.norm(unbalanced.reshape(total.shape), axis=1)
+        size = np.linalg.norm(unbalanced.reshape(total.shape)[: system.points], axis=1)
         worst = np.argsort(-np.nan_to_num(size, nan=np.inf), kind="stable")[:5].tolist()
         where = f"after load factor {results.steps[-1].lam:.6g}" if results.steps else "at the start"
         named = ", ".join(f"{k} {system.model.nodes[k]!r}" for k in worst[:3])
