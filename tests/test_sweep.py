@@ -382,6 +382,7 @@ def test_a_script_without_its_guard_is_told_so(tmp_path: Path) -> None:
     )
     done = subprocess.run([sys.executable, str(script)], capture_output=True, text=True, timeout=120)
     assert done.returncode != 0 and "under `if __name__ == '__main__':`" in done.stderr
+    assert "bootstrapping phase" not in done.stderr  # multiprocessing's own words for it
 
 
 @pytest.mark.parametrize(

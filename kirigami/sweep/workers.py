@@ -120,6 +120,9 @@ def _breakdown(error: BaseException) -> AnalysisError:
 @contextmanager
 def runner_for(executor: Any, function: Callable[..., Any], workers: int | None, designs: int) -> Iterator[Runner]:
     """What runs the designs, ended afterwards if it was started here."""
+    if executor is None and getattr(multiprocessing.current_process(), "_inheriting", False):
+        # A worker that has just been started reads the main script, and came upon the sweep in there.
+        raise AnalysisError("a script that runs a sweep must do so under `if __name__ == '__main__':`")
     if executor is None or isinstance(executor, ProcessPoolExecutor):
         try:
             pickle.dumps(function)
