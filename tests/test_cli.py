@@ -14,6 +14,7 @@ import kirigami as kg
 from kirigami import cli
 from kirigami.analysis.path.methods import PathAnalysis
 from kirigami.cli import demo
+from kirigami.study import stretch as stretching
 
 DRAWINGS = Path(__file__).parent / "data" / "drawings"
 PLATE = str(DRAWINGS / "inkscape_layers_mm.svg")  # 120 x 80 mm, three slits and a hole
@@ -217,7 +218,7 @@ def test_a_path_that_ends_early_is_written_and_ends_with_1(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     analysis = kg.DisplacementControl
-    monkeypatch.setattr(kg, "DisplacementControl", lambda model, targets: analysis(model, to=0.5))
+    monkeypatch.setattr(stretching, "DisplacementControl", lambda model, targets: analysis(model, to=0.5))
     assert cli.main(["stretch", PLATE, *SHEET, "--folder", str(tmp_path), "--json"]) == 1
     numbers = json.loads(capsys.readouterr().out)
     assert not numbers["complete"] and numbers["strain"] == pytest.approx(0.001)

@@ -44,7 +44,7 @@ def info(path: str | os.PathLike[str], **reading: Any) -> dict[str, Any]:
 
     Examples
     --------
-    >>> import shapely, tempfile
+    >>> import shapely, tempfile, kirigami as kg
     >>> file = write_drawing(kg.Sheet(shapely.box(0, 0, 0.2, 0.1)), Path(tempfile.mkdtemp()) / "plate.geojson")
     >>> info(file)["width"]
     0.2
@@ -103,7 +103,7 @@ def mesh_drawing(
 
     Examples
     --------
-    >>> import shapely, tempfile
+    >>> import shapely, tempfile, kirigami as kg
     >>> file = write_drawing(kg.Sheet(shapely.box(0, 0, 0.2, 0.1)), Path(tempfile.mkdtemp()) / "plate.geojson")
     >>> round(float(mesh_drawing(file, "20mm").facet_areas.sum()), 12)
     0.02
@@ -135,7 +135,7 @@ def write_mesh(mesh: TriMesh, path: str | os.PathLike[str]) -> Path:
 
     Examples
     --------
-    >>> import tempfile
+    >>> import tempfile, kirigami as kg
     >>> mesh = kg.TriMesh([(0, 0), (1, 0), (0, 1)], [(0, 1, 2)])
     >>> write_mesh(mesh, Path(tempfile.mkdtemp()) / "one.fold").name
     'one.fold'
@@ -181,7 +181,7 @@ def export(path: str | os.PathLike[str], output: str | os.PathLike[str], **readi
 
     Examples
     --------
-    >>> import shapely, tempfile
+    >>> import shapely, tempfile, kirigami as kg
     >>> folder = Path(tempfile.mkdtemp())
     >>> file = write_drawing(kg.Sheet(shapely.box(0, 0, 0.2, 0.1)), folder / "plate.geojson")
     >>> [made.name for made in export(file, folder / "plate.fold")]

@@ -12,7 +12,6 @@ from kirigami.primitives.kernel import Array
 from kirigami.primitives.node import AXES
 from kirigami.primitives.parts import Numbering
 from kirigami.system.assembly import Index
-from kirigami.system.edges import held_angles, held_middles
 
 
 class Unknowns:
@@ -51,6 +50,8 @@ class Unknowns:
                 for axis_number in range(self.dim):
                     leader[tip[of_group] * self.dim + axis_number] = base[of_group] * self.dim + axis_number
             if numbering.edges is not None:
+                from kirigami.system.edges import held_angles, held_middles  # a truss needs no mesh
+
                 still = held_middles(numbering.edges, item, nodes, leaders, self.dim)
                 if item.clamp:
                     angles = held_angles(numbering.edges, nodes, self.dim)
