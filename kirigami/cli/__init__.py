@@ -8,6 +8,7 @@ early, 2 wrong usage, 130 interrupted. What was asked for goes to stdout, everyt
 from __future__ import annotations
 
 import argparse
+import os
 import sys
 import warnings
 from collections.abc import Sequence
@@ -15,6 +16,7 @@ from typing import Any
 
 import kirigami as kg
 from kirigami.cli import accuracy, demo, export, info, mesh, stretch
+from kirigami.cli.options import in_words_of_the_command
 
 DESCRIPTION = """\
 Mechanics of cut sheets by bars and hinges.
@@ -56,10 +58,15 @@ def main(arguments: Sequence[str] | None = None) -> int:
     try:
         with warnings.catch_warnings():
             warnings.showwarning = _say_warning
-            return int(options.run(options))
+            code = int(options.run(options))
+            sys.stdout.flush()
+            return code
     except kg.KirigamiError as error:
-        print(f"kirigami: {error}", file=sys.stderr)
+        print(f"kirigami: {in_words_of_the_command(str(error))}", file=sys.stderr)
         return 1
+    except BrokenPipeError:  # whoever read the words has enough of them
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return 0
     except OSError as error:
         where = f": {error.filename}" if error.filename else ""
         print(f"kirigami: {error.strerror or error}{where}", file=sys.stderr)
@@ -84,4 +91,5 @@ def make_parser() -> argparse.ArgumentParser:
 def _say_warning(message: Warning | str, category: type[Warning], *place: Any, **more: Any) -> None:
     if issubclass(category, (DeprecationWarning, PendingDeprecationWarning)):
         return  # between libraries; nothing a user of the command could do
-    print(f"kirigami: {'' if issubclass(category, kg.KirigamiWarning) else 'warning: '}{message}", file=sys.stderr)
+    words = in_words_of_the_command(str(message))
+    print(f"kirigami: {'' if issubclass(category, kg.KirigamiWarning) else 'warning: '}{words}", file=sys.stderr)

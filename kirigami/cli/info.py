@@ -6,7 +6,7 @@ import argparse
 from pathlib import Path
 from typing import Any
 
-from kirigami.cli.options import add_command, add_reading, print_json, reading, speaker
+from kirigami.cli.options import add_command, add_reading, in_words_of_the_command, print_json, reading, speaker
 
 DESCRIPTION = """\
 Say what a drawing (.dxf, .svg, .geojson, .fold) or a results file (.npz) holds: of a drawing what
@@ -34,6 +34,7 @@ def run(options: argparse.Namespace) -> int:
     from kirigami.io.convert import info
 
     found = info(options.file, **reading(options))
+    found["text"] = in_words_of_the_command(found["text"])
     speaker(options)(found["text"])
     print_json(options, found)
     return 0

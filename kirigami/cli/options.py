@@ -5,13 +5,16 @@ from __future__ import annotations
 import argparse
 import json
 import math
+import re
+import shlex
 from collections.abc import Callable
 from typing import Any
 
 from kirigami import units
 from kirigami.errors import ModelError
 
-READING = ("drawn_in", "outline", "cuts", "folds", "ignore", "tolerance")
+READING = ("drawn_in", "outline", "cuts", "folds", "ignore", "tolerance", "part", "frame")
+WORDS = {"allow_parts=True": "--part 1"}  # what Python calls otherwise
 
 
 def add_command(
@@ -41,8 +44,41 @@ def add_reading(parser: argparse.ArgumentParser) -> None:
     ):  # fmt: skip
         group.add_argument(f"--{name}", action="append", metavar="LAYER", help=f"layer or colour of {what}")
     group.add_argument(
-        "--tolerance", type=float, metavar="SHARE", help="join ends nearer than this share of the size (1e-4)"
+        "--tolerance",
+        type=_tolerance,
+        metavar="SHARE",
+        help="join ends nearer than this share of the size, or than this length, such as 0.1mm (1e-4)",
     )
+    group.add_argument(
+        "--part", type=int, metavar="NUMBER", help="which part to take, where there are several; 1 is the largest"
+    )
+    group.add_argument("--frame", type=int, metavar="NUMBER", help="which frame of a FOLD file to read")
+
+
+def in_words_of_the_command(text: str) -> str:
+    """A message with the options it names, such as `tolerance=3e-4`, as they are written on the command line."""
+
+    def option(match: re.Match[str]) -> str:
+        if match[0].strip("`") in WORDS:
+            return WORDS[match[0].strip("`")]
+        value = (match[2] or "").strip("\"'")
+        name = f"--{match[1].replace('_', '-')}"
+        return f"{name} {shlex.quote(value)}" if match[2] else name
+
+    names = "|".join((*READING, "allow_parts", "max_edge", "grip", "thickness"))
+    return re.sub(rf"`({names})(?:=([^`]*))?`", option, text)
+
+
+def _tolerance(text: str) -> float | str:
+    """A share of the size, or a length with its unit, which the reader understands; what it is not is wrong usage."""
+    try:
+        share = float(text)
+    except ValueError:
+        quantity("length")(text)
+        return text
+    if not 0 < share < 1:
+        raise argparse.ArgumentTypeError(f"{text!r} is no share between 0 and 1, nor a length such as 0.1mm")
+    return share
 
 
 def reading(options: argparse.Namespace) -> dict[str, Any]:

@@ -3,34 +3,21 @@
 from __future__ import annotations
 
 import os
-from collections import Counter
 from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from kirigami.drawing.drawing import (
-    Curve,
-    Drawing,
-    Floats,
-    Names,
-    Roles,
-    assemble,
-    color_name,
-    flattened,
-    layered,
-    scale_of,
-    scaled,
-)
+from kirigami.drawing.curves import Curve, Floats, flattened, scale_of, scaled
+from kirigami.drawing.drawing import Drawing, assemble, layered
+from kirigami.drawing.dxf_entities import Reader, source_of
+from kirigami.drawing.roles import Names, Roles
 from kirigami.errors import GeometryError
 from kirigami.files import library, whole_file
 from kirigami.units import metres_per
 
 INSUNITS = {1: "in", 2: "ft", 4: "mm", 5: "cm", 6: "m", 7: "km", 9: "mil", 12: "nm", 13: "um", 14: "dm"}
-COLORS = {1: "red", 2: "yellow", 3: "green", 4: "cyan", 5: "blue", 6: "magenta", 7: "black"}
-CURVES = {"LINE", "ARC", "CIRCLE", "ELLIPSE", "SPLINE", "LWPOLYLINE", "POLYLINE"}
-NESTING = 8  # blocks within blocks
 
 
 def read_dxf(
@@ -42,15 +29,21 @@ def read_dxf(
     ignore: Names = None,
     unit: str = "m",
     drawn_in: str | None = None,
-    tolerance: float = 1e-4,
+    tolerance: float | str = 1e-4,
     flatness: float = 2e-4,
+    part: int | None = None,
 ) -> Drawing:
     """Read outline, cuts and folds from the model space of a DXF file of any version.
 
     Lines, arcs, circles, ellipses, splines, polylines with bulges, and blocks of them are read; texts, dimensions,
-    hatches and points are not, and the report counts them. Layers are sorted by their names ("outline", "cuts", "fold",
-    ... in several languages) unless told; without an outline layer, the closed curve round everything else is the
-    outline. Closed cuts are holes.
+    hatches and points are not, and the report counts them. Nor is read what is not shown: entities that are invisible,
+    or on layers that are off, frozen or not plotted, unless these are named.
+
+    Layers are sorted by their names ("outline", "cuts", "fold", ... in several languages) unless told; names such as
+    "etch" and "text" are left out, dashed line types are folds, centre lines are left out. Without an outline layer the
+    outer face of the lines is the outline: the closed curve round everything else, or the lines that together go round
+    it, whose tails beyond their crossings are left out. Closed cuts are holes. Pieces that cuts sever fall out as long
+    as they are small.
 
     Parameters
     ----------
@@ -62,10 +55,14 @@ def read_dxf(
         Unit of length of the sheet: "m", "mm", ...
     drawn_in : str, optional
         Unit of the drawing, where the file does not say or says it wrong.
-    tolerance : float
-        Ends nearer than this fraction of the size are joined; curves as near as this all along are drawn twice.
+    tolerance : float or str
+        Ends nearer than this fraction of the size, or this length ("0.1mm"), are joined; curves as near as this all
+        along are drawn twice.
     flatness : float
-        Largest distance between a curve and its chords, as a fraction of the size of the drawing.
+        Largest distance between a curve and its chords, as a fraction of the size of the drawing. Ends of cuts that lie
+        on the curve itself are made points of it.
+    part : int, optional
+        Which part to take, from 1, where several lie side by side or cuts sever the sheet.
 
     Returns
     -------
@@ -96,21 +93,30 @@ def read_dxf(
     says_unit = b"$INSUNITS" in Path(path).read_bytes()
     stated = INSUNITS.get(document.header.get("$INSUNITS", 0)) if says_unit else None
     factor, unit = scale_of(unit, drawn_in, stated, notes)
-    skipped: Counter[str] = Counter()
-    entities = list(_entities(document.modelspace(), skipped))
-    if not entities:
-        seen = ", ".join(f"{number} {kind}" for kind, number in skipped.items()) or "nothing"
-        raise GeometryError(f"{path} holds no curves in its model space (it holds {seen})")
-    if skipped:
-        notes.append("not read: " + ", ".join(f"{number} {kind}" for kind, number in skipped.most_common()))
-    distance = flatness * _extent(entities)
-    curves = [
-        Curve(scaled(points, factor), entity.dxf.layer, _color(entity, document), _source(entity))
-        for entity in entities
-        for points in _points(entity, distance)
-    ]
     roles = Roles(outline, cuts, folds, ignore)
-    return assemble(curves, roles, unit=unit, tolerance=tolerance, notes=notes)
+    reader = Reader(document, roles.names)
+    seen = list(reader.curves(document.modelspace()))
+    unseen = ", ".join(f"{number} on {why}" for why, number in reader.unseen.most_common())
+    if not seen:
+        other = ", ".join(f"{number} {kind}" for kind, number in reader.skipped.items()) or "nothing"
+        also = f"; not shown: {unseen}; name a layer to read it all the same" if unseen else ""
+        raise GeometryError(f"{path} holds no curves in its model space (it holds {other}{also})")
+    if unseen:
+        notes.append(f"not shown and not read: {unseen}")
+    if reader.skipped:
+        kinds = ", ".join(f"{number} {kind}" for kind, number in reader.skipped.most_common())
+        notes.append(f"not read: {kinds}")
+    distance = flatness * _extent([curve.entity for curve in seen])
+    curves = [
+        Curve(
+            scaled(points, factor), found.look.layer, found.look.color, found.source, found.look.line_type,
+            scaled(bow, factor),
+        )
+        for found in seen
+        for points, bow in _points(found.entity, distance)
+    ]  # fmt: skip
+    shown = drawn_in or stated
+    return assemble(curves, roles, unit=unit, tolerance=tolerance, notes=notes, shown=shown, part=part)
 
 
 def _document(path: Path) -> Any:
@@ -138,60 +144,31 @@ def _looks_like_dxf(path: Path) -> bool:
     return start.startswith(b"AutoCAD Binary DXF") or b"SECTION" in start
 
 
-def _entities(layout: Iterable[Any], skipped: Counter[str], depth: int = 0) -> Iterator[Any]:
-    for entity in layout:
-        kind = entity.dxftype()
-        if kind in CURVES and not (kind == "POLYLINE" and (entity.is_poly_face_mesh or entity.is_polygon_mesh)):
-            yield entity
-        elif kind == "INSERT" and depth < NESTING:
-            for placed in entity.multi_insert() if entity.mcount > 1 else [entity]:
-                yield from _entities(placed.virtual_entities(), skipped, depth + 1)
-        else:
-            skipped[kind] += 1
-
-
-def _source(entity: Any) -> str:
-    handle = entity.dxf.handle
-    owner = getattr(entity, "source_of_copy", None)
-    if handle is None and owner is not None:
-        handle = f"copy of {owner.dxf.handle}"
-    return f"entity {handle or '(of a block)'} ({entity.dxftype()})"
-
-
-def _color(entity: Any, document: Any) -> str:
-    if entity.dxf.hasattr("true_color"):
-        return color_name(f"#{entity.dxf.true_color:06x}")
-    index = entity.dxf.color
-    if index == 256 and entity.dxf.layer in document.layers:
-        index = abs(document.layers.get(entity.dxf.layer).color)
-    return COLORS.get(index, f"color {index}")
-
-
-def _points(entity: Any, distance: float) -> Iterator[Floats]:
-    """Points of an entity, one array per curve."""
+def _points(entity: Any, distance: float) -> Iterator[tuple[Floats, Floats]]:
+    """Points of an entity and how far it bows from each chord, for every curve."""
     kind = entity.dxftype()
     try:
         if kind in ("LWPOLYLINE", "POLYLINE"):
             yield _polyline(entity, distance)
         elif kind == "LINE":
-            yield _flat([entity.dxf.start, entity.dxf.end], entity)
+            yield _flat([entity.dxf.start, entity.dxf.end], entity), np.zeros(1)
         elif kind == "CIRCLE":
             radius = abs(entity.dxf.radius)
             points = _flat(list(entity.flattening(min(distance, 0.1 * radius))), entity)
             points[-1] = points[0]
-            yield points
+            yield points, np.full(len(points) - 1, distance)
         else:
             points = _flat(list(entity.flattening(distance)), entity)
             if np.linalg.norm(points[-1] - points[0]) < 1e-9 * max(1e-300, float(np.ptp(points, axis=0).max())):
                 points[-1] = points[0]
-            yield points
+            yield points, np.full(len(points) - 1, distance)
     except (ValueError, ZeroDivisionError, TypeError, IndexError, ArithmeticError) as error:
         if isinstance(error, GeometryError):
             raise
-        raise GeometryError(f"{_source(entity)} on layer {entity.dxf.layer!r} cannot be read: {error}") from None
+        raise GeometryError(f"{source_of(entity)} on layer {entity.dxf.layer!r} cannot be read: {error}") from None
 
 
-def _polyline(entity: Any, distance: float) -> Floats:
+def _polyline(entity: Any, distance: float) -> tuple[Floats, Floats]:
     if entity.dxftype() == "LWPOLYLINE":
         corners, closed = list(entity.vertices_in_wcs()), entity.closed
         bulges = [point[4] for point in entity.get_points()]
@@ -205,11 +182,11 @@ def _polyline(entity: Any, distance: float) -> Floats:
     if closed:
         points = np.concatenate([points, points[:1]])
     mirrored = -1.0 if entity.dxf.hasattr("extrusion") and entity.dxf.extrusion.z < 0 else 1.0
-    parts = [points[:1]]
+    parts, bows = [points[:1]], []
     for start, end, bulge in zip(points, points[1:], bulges):
-        arc = [end[None]] if not bulge else [_bulge(start, end, mirrored * bulge, distance)[1:]]
-        parts += arc
-    return np.concatenate(parts)
+        parts.append(_bulge(start, end, mirrored * bulge, distance)[1:] if bulge else end[None])
+        bows.append(np.full(len(parts[-1]), distance if bulge else 0.0))
+    return np.concatenate(parts), np.concatenate(bows)
 
 
 def _bulge(start: Floats, end: Floats, bulge: float, distance: float) -> Floats:
@@ -233,13 +210,13 @@ def _bulge(start: Floats, end: Floats, bulge: float, distance: float) -> Floats:
 def _flat(points: list[Any], entity: Any) -> Floats:
     array = np.array([(point.x, point.y, point.z) for point in map(_vector, points)], dtype=float)
     if len(array) < 2:
-        raise GeometryError(f"{_source(entity)} on layer {entity.dxf.layer!r} has fewer than two points")
+        raise GeometryError(f"{source_of(entity)} on layer {entity.dxf.layer!r} has fewer than two points")
     if not np.isfinite(array).all():
-        raise GeometryError(f"{_source(entity)} on layer {entity.dxf.layer!r} has a coordinate that is not finite")
+        raise GeometryError(f"{source_of(entity)} on layer {entity.dxf.layer!r} has a coordinate that is not finite")
     if np.ptp(array[:, 2]) > 1e-6 * max(float(np.ptp(array[:, :2], axis=0).max()), 1e-300):
         raise GeometryError(
-            f"{_source(entity)} on layer {entity.dxf.layer!r} leaves the plane: z runs from {array[:, 2].min():.6g} to "
-            f"{array[:, 2].max():.6g}; a sheet is drawn in a plane of constant z"
+            f"{source_of(entity)} on layer {entity.dxf.layer!r} leaves the plane: z runs from {array[:, 2].min():.6g} "
+            f"to {array[:, 2].max():.6g}; a sheet is drawn in a plane of constant z"
         )
     plane: Floats = array[:, :2].copy()
     return plane

@@ -14,7 +14,10 @@ import numpy as np
 import shapely
 from numpy.typing import ArrayLike
 
-from kirigami.drawing.drawing import Curve, Drawing, Names, Roles, assemble, layered, scale_of, scaled
+from kirigami.drawing.curves import Curve, counted, scale_of, scaled
+from kirigami.drawing.drawing import Drawing, assemble, layered
+from kirigami.drawing.fold_frames import frame_of, pattern_of
+from kirigami.drawing.roles import Names, Roles
 from kirigami.errors import GeometryError
 from kirigami.files import read_json, whole_file
 from kirigami.geometry.mesh import TriMesh
@@ -31,12 +34,16 @@ def read_fold(
     ignore: Names = None,
     unit: str = "m",
     drawn_in: str | None = None,
-    tolerance: float = 1e-4,
+    tolerance: float | str = 1e-4,
+    part: int | None = None,
+    frame: int | None = None,
 ) -> Drawing:
     """Read outline, cuts and folds from the crease pattern of a FOLD file.
 
     Edges assigned B are the outline (and the rims of holes), C cuts, M, V and U folds; F and J are left out. Edges that
-    follow one another in a line are one cut.
+    follow one another in a line are one cut. The sheet may lie in any plane. Cuts may be written as C, or as rims
+    inside the sheet, single or double; what has one facet is a rim, whatever it is assigned. Without rims, the outer
+    face of all edges is the outline.
 
     Parameters
     ----------
@@ -48,13 +55,18 @@ def read_fold(
         Unit of length of the sheet.
     drawn_in : str, optional
         Unit of the coordinates, where the file does not say.
-    tolerance : float
+    tolerance : float or str
         As for :func:`kirigami.drawing.dxf.read_dxf`.
+    part : int, optional
+        Which part to take, from 1, where several lie side by side or cuts sever the sheet.
+    frame : int, optional
+        Which frame of the file to read; unless given, the first crease pattern, or else the first frame with edges.
 
     Raises
     ------
     GeometryError
-        No such file, no FOLD file, arrays that do not fit, coordinates out of the plane, no outline.
+        No such file, no FOLD file, arrays that do not fit, coordinates out of the plane, a folded form that lies on
+        itself, no outline.
 
     Examples
     --------
@@ -66,30 +78,33 @@ def read_fold(
     """
     path = Path(path)
     data = read_json(path, "FOLD")
-    if not isinstance(data, dict) or "vertices_coords" not in data or "edges_vertices" not in data:
+    if not isinstance(data, dict):
         raise GeometryError(f"{path} is no FOLD file: it has no vertices_coords and edges_vertices")
-    try:
-        points = np.array([[*point, 0.0][:3] for point in data["vertices_coords"]], dtype=float)
-        edges = np.array(data["edges_vertices"], dtype=np.int64).reshape(-1, 2)
-    except (TypeError, ValueError) as error:
-        raise GeometryError(f"{path}: vertices_coords or edges_vertices hold no numbers ({error})") from None
-    letters = data.get("edges_assignment") or ["U"] * len(edges)
-    if len(letters) != len(edges):
-        raise GeometryError(f"{path}: {len(edges)} edges, but {len(letters)} values in edges_assignment")
-    wrong = np.flatnonzero((edges < 0).any(axis=1) | (edges >= len(points)).any(axis=1))
-    if wrong.size:
-        raise GeometryError(f"{path}: edge {wrong[0]} names a vertex beyond 0 .. {len(points) - 1}")
-    if len(points) and np.ptp(points[:, 2]) > 1e-9 * np.ptp(points, axis=0).max():
-        raise GeometryError(f"{path} holds a folded form: its vertices leave the plane; give the crease pattern")
+    number, held = frame_of(data, frame, path)
+    found = pattern_of(held, path)
     notes = [f"{path.name}: FOLD {data.get('file_spec', '')}".rstrip()]
-    factor, unit = scale_of(unit, drawn_in, data.get("frame_unit", "unit").replace("unit", "") or None, notes)
+    if number:
+        notes.append(f"frame {number} of {1 + len(data['file_frames'])}")
+    said = str(held.get("frame_unit") or data.get("frame_unit") or "unit").replace("unit", "") or None
+    factor, unit = scale_of(unit, drawn_in, said, notes)
+    flat = sum(letter not in ROLES for letter in found.letters)
+    if flat:
+        notes.append(f"{counted(flat, 'flat or joined edge')} (F, J) left out")
     curves = [
-        Curve(scaled(points[edge, :2], factor), ROLES[letter], "", f"edge {number}")
-        for number, (edge, letter) in enumerate(zip(edges, letters))
+        Curve(scaled(found.points[edge], factor), ROLES[letter], "", f"edge {which}")
+        for which, edge, letter in zip(found.numbers, found.edges, found.letters)
         if letter in ROLES
     ]
-    roles = Roles(folds=folds, ignore=ignore)
-    return assemble(curves, roles, unit=unit, tolerance=tolerance, notes=notes)
+    return assemble(
+        curves,
+        Roles(folds=folds, ignore=ignore),
+        unit=unit,
+        tolerance=tolerance,
+        notes=notes,
+        shown=drawn_in or said,
+        part=part,
+        bounded_by_folds=True,
+    )
 
 
 def write_fold(

@@ -12,7 +12,9 @@ import numpy as np
 import shapely
 from shapely.geometry import mapping, shape
 
-from kirigami.drawing.drawing import Curve, Drawing, Names, Roles, assemble, scale_of, scaled
+from kirigami.drawing.curves import Curve, scale_of, scaled
+from kirigami.drawing.drawing import Drawing, assemble
+from kirigami.drawing.roles import Names, Roles, color_name
 from kirigami.errors import GeometryError
 from kirigami.files import read_json, whole_file
 
@@ -28,7 +30,8 @@ def read_geojson(
     ignore: Names = None,
     unit: str = "m",
     drawn_in: str | None = None,
-    tolerance: float = 1e-4,
+    tolerance: float | str = 1e-4,
+    part: int | None = None,
 ) -> Drawing:
     """Read outline, cuts and folds from a GeoJSON file.
 
@@ -45,8 +48,11 @@ def read_geojson(
         Unit of length of the sheet: "m", "mm", ...
     drawn_in : str, optional
         Unit of the coordinates, where the file does not say.
-    tolerance : float
-        Ends nearer than this fraction of the size are joined; curves as near as this all along are drawn twice.
+    tolerance : float or str
+        Ends nearer than this fraction of the size, or this length ("0.1mm"), are joined; curves as near as this all
+        along are drawn twice.
+    part : int, optional
+        Which part to take, from 1, where several lie side by side or cuts sever the sheet.
 
     Raises
     ------
@@ -85,9 +91,12 @@ def read_geojson(
         except (AttributeError, KeyError, TypeError, ValueError, IndexError, shapely.errors.ShapelyError) as error:
             raise GeometryError(f"{path}, {source}: no geometry that can be used ({error})") from None
         layer = str(next((properties[key] for key in ROLE_KEYS if properties.get(key)), ""))
+        color = color_name(str(properties.get("stroke") or ""))  # as simplestyle-spec has it
         for line in _lines(geometry, f"{path}, {source}"):
-            curves.append(Curve(scaled(shapely.get_coordinates(line), factor), layer, "", source))
-    return assemble(curves, Roles(outline, cuts, folds, ignore), unit=unit, tolerance=tolerance, notes=notes)
+            curves.append(Curve(scaled(shapely.get_coordinates(line), factor), layer, color, source))
+    roles = Roles(outline, cuts, folds, ignore)
+    shown = drawn_in or data.get("unit")
+    return assemble(curves, roles, unit=unit, tolerance=tolerance, notes=notes, shown=shown, part=part)
 
 
 def _lines(geometry: Any, source: str) -> Iterator[Any]:

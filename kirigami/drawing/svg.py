@@ -8,6 +8,7 @@ import re
 import warnings
 from collections import Counter
 from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree
@@ -16,19 +17,10 @@ from xml.parsers import expat
 import numpy as np
 import shapely
 
-from kirigami.drawing.drawing import (
-    Curve,
-    Drawing,
-    Floats,
-    Names,
-    Roles,
-    assemble,
-    color_name,
-    flattened,
-    layered,
-    role_of_name,
-    scaled,
-)
+from kirigami.drawing.curves import Curve, Floats, counted, flattened, scaled
+from kirigami.drawing.drawing import Drawing, assemble, layered
+from kirigami.drawing.roles import Names, Roles, role_of_name
+from kirigami.drawing.svg_paint import Canvas, clip_name, clip_shape, clipped, is_transparent, line_type
 from kirigami.errors import GeometryError, KirigamiWarning
 from kirigami.files import library, whole_file
 from kirigami.units import METRES, metres_per
@@ -37,6 +29,8 @@ LABEL = "{http://www.inkscape.org/namespaces/inkscape}label"
 VERSION = "{http://www.inkscape.org/namespaces/inkscape}version"
 LINE = "data-kirigami-line"
 ORIGIN = "data-kirigami-origin"  # "sheet": x and -y are coordinates of the sheet, whatever part of it the page shows
+CLIP = "data-kirigami-clip"  # marks the contents of a clip path, put where they are parsed but not drawn
+HIDDEN = "neither painted nor visible"
 STROKES = {"OUTLINE": "#000000", "CUTS": "#ff0000", "FOLDS": "#0000ff"}
 
 
@@ -49,13 +43,15 @@ def read_svg(
     ignore: Names = None,
     unit: str = "m",
     drawn_in: str | None = None,
-    tolerance: float = 1e-4,
+    tolerance: float | str = 1e-4,
     flatness: float = 2e-4,
+    part: int | None = None,
 ) -> Drawing:
     """Read outline, cuts and folds from an SVG file.
 
-    Paths and all basic shapes are read, with transforms, symbols and style sheets; texts and images are not, and the
-    report counts them. The true size is that of ``width``, ``height`` and ``viewBox``; a size in pixels has 96 to the
+    Paths and all basic shapes are read, with transforms, symbols, clip paths and style sheets; texts and images are
+    not, nor what is neither painted nor visible, unless its layer is named; the report counts them. Dashed lines are
+    folds. The true size is that of ``width``, ``height`` and ``viewBox``; a size in pixels has 96 to the
     inch, 72 where Illustrator wrote the file and 90 where an Inkscape before 0.92 did. The y axis is turned upwards.
     Layers are named groups; an object may also carry the role in its own name. How layers and colours become roles is
     said at :func:`kirigami.drawing.dxf.read_dxf`.
@@ -70,10 +66,13 @@ def read_svg(
         Unit of length of the sheet: "m", "mm", ...
     drawn_in : str, optional
         Length of one user unit ("mm", ...), where the file does not say or says it wrong.
-    tolerance : float
-        Ends nearer than this fraction of the size are joined; curves as near as this all along are drawn twice.
+    tolerance : float or str
+        Ends nearer than this fraction of the size, or this length ("0.1mm"), are joined; curves as near as this all
+        along are drawn twice.
     flatness : float
         Largest distance between a curve and its chords, as a fraction of the size of the drawing.
+    part : int, optional
+        Which part to take, from 1, where several lie side by side or cuts sever the sheet.
 
     Returns
     -------
@@ -108,28 +107,34 @@ def read_svg(
         raise GeometryError(f"{path} holds something that is not SVG: {error}") from None
     skipped: Counter[str] = Counter()
     roles = Roles(outline, cuts, folds, ignore)
-    # As paths: svgelements turns circles under a mirroring transform into wrong ones.
-    shapes = [
-        (shape, layer, elements.Path(shape).reify())
-        for shape, layer in _shapes(document, [], skipped, elements, roles.names)
-    ]
+    found = list(_shapes(document, _Place(), skipped, elements, roles.names))
+    clips = _clips(document, elements)
     if skipped:
         notes.append("not read: " + ", ".join(f"{number} {kind}" for kind, number in skipped.most_common()))
-    boxes = np.array([box for *_, drawn in shapes if (box := drawn.bbox()) is not None], dtype=float)
+    boxes = np.array([box for *_, drawn in found if (box := drawn.bbox()) is not None], dtype=float)
     if not len(boxes):
         seen = ", ".join(f"{number} {kind}" for kind, number in skipped.items()) or "nothing"
         raise GeometryError(f"{path} holds no curves (it holds {seen})")
     distance = flatness * float((boxes[:, 2:].max(axis=0) - boxes[:, :2].min(axis=0)).max())
-    curves = []
-    for shape, layer, drawn in shapes:
+    curves, cut_off = [], 0
+    for shape, place, color, drawn in found:
         source = f"line {shape.values.get(LINE, '?')} <{shape.values.get('tag', 'path')}>"
         if identity := shape.values.get("attributes", {}).get("id"):
             source += f" {identity!r}"
-        for points in _points(drawn, distance, elements, source):
-            curves.append(Curve(to_drawing(points), layer, _color(shape), source))
+        window = _window(place, clips, elements, notes)
+        for points, bow in _points(drawn, distance, elements, source):
+            pieces = [points] if window is None else clipped(points, window)
+            cut_off += len(pieces) != 1 or pieces[0] is not points
+            for piece in pieces:
+                bent = scaled(bow, to_drawing.ratio) if piece is points else 0.0
+                curves.append(Curve(to_drawing(piece), place.layer, color, source, line_type(shape), bent))
+    if cut_off:
+        notes.append(f"{counted(cut_off, 'curve')} cut off at a clip path")
     if not curves:
         raise GeometryError(f"{path} holds no curves with a length")
-    return assemble(curves, roles, unit=unit, tolerance=tolerance, notes=notes)
+    return assemble(
+        curves, roles, unit=unit, tolerance=tolerance, notes=notes, shown=to_drawing.shown, part=part
+    )
 
 
 def _tree(path: Path) -> tuple[Any, str]:
@@ -168,23 +173,35 @@ def _tree(path: Path) -> tuple[Any, str]:
 
 
 def _put_symbols_away(root: Any, path: Path) -> None:
-    """Symbols are drawn only where they are used: move them into definitions, where svgelements leaves them alone."""
+    """Symbols, masks, markers and patterns are drawn only where they are used: move them into definitions.
+
+    svgelements leaves definitions alone. The contents of clip paths become groups of the root, marked and not drawn.
+    """
     used = {value.lstrip("#") for element in root.iter() for key, value in element.items() if key.endswith("href")}
+    clips = []
     for parent in list(root.iter()):
         for position, child in enumerate(list(parent)):
-            if isinstance(child.tag, str) and child.tag.rpartition("}")[2] == "symbol":
-                if "viewBox" in child.attrib and child.get("id") in used:
-                    raise GeometryError(
-                        f"{path}, line {child.get(LINE)}: a symbol with a viewBox is not understood; "
-                        "unlink the symbols of the drawing into plain paths"
-                    )
-                definitions = ElementTree.Element(child.tag.replace("symbol", "defs"))
+            kind = child.tag.rpartition("}")[2] if isinstance(child.tag, str) else ""
+            if kind == "symbol" and "viewBox" in child.attrib and child.get("id") in used:
+                raise GeometryError(
+                    f"{path}, line {child.get(LINE)}: a symbol with a viewBox is not understood; "
+                    "unlink the symbols of the drawing into plain paths"
+                )
+            if kind in ("symbol", "mask", "marker", "pattern", "clipPath"):
+                definitions = ElementTree.Element(child.tag.replace(kind, "defs"))
                 parent[position] = definitions
-                definitions.append(child)
+                if kind == "clipPath":
+                    clips.append(child)
+                else:
+                    definitions.append(child)
+    for clip in clips:
+        clip.tag = clip.tag.replace("clipPath", "g")
+        clip.set(CLIP, clip.attrib.pop("id", ""))
+        root.append(clip)
 
 
-def _user_space(root: Any, header: str, drawn_in: str | None, unit: str, notes: list[str]) -> Any:
-    """A function from user units to the wanted unit with y upwards."""
+def _user_space(root: Any, header: str, drawn_in: str | None, unit: str, notes: list[str]) -> _UserSpace:
+    """The way from user units to the wanted unit with y upwards."""
     per_inch = 96.0
     if "Adobe Illustrator" in header:
         per_inch = 72.0
@@ -210,18 +227,33 @@ def _user_space(root: Any, header: str, drawn_in: str | None, unit: str, notes: 
     else:
         per_unit, source = min(scales)[0] if scales else 1 / per_inch, "in"
         text = f"the drawing has no size in a unit of length: {per_inch:g} pixels to the inch are taken"
-        warnings.warn(f'{text}; say drawn_in="mm" if a user unit is 1 mm', KirigamiWarning, stacklevel=3)
+        warnings.warn(f'{text}; say `drawn_in="mm"` if a user unit is 1 mm', KirigamiWarning, stacklevel=3)
         notes.append(text)
     ratio = metres_per(source) / metres_per(unit)
     left, bottom = view[0], view[1] + view[3]
     if root.get(ORIGIN) == "sheet":
         left = bottom = 0.0
 
-    def to_drawing(points: Floats) -> Floats:
-        moved = np.column_stack([points[:, 0] - left, bottom - points[:, 1]])
-        return scaled(moved * per_unit if per_unit != 1 else moved, ratio)
+    return _UserSpace(left, bottom, per_unit, ratio, source if physical or drawn_in else "mm")
 
-    return to_drawing
+
+@dataclass(frozen=True)
+class _UserSpace:
+    """From user units to the wanted unit, with y upwards; `shown` is the unit of the drawing."""
+
+    left: float
+    bottom: float
+    per_unit: float
+    scale: float
+    shown: str
+
+    @property
+    def ratio(self) -> float:
+        return self.per_unit * self.scale
+
+    def __call__(self, points: Floats) -> Floats:
+        moved = np.column_stack([points[:, 0] - self.left, self.bottom - points[:, 1]])
+        return scaled(moved * self.per_unit if self.per_unit != 1 else moved, self.scale)
 
 
 def _length(text: str) -> tuple[float, str] | None:
@@ -231,24 +263,87 @@ def _length(text: str) -> tuple[float, str] | None:
     return float(match[1]), match[2]
 
 
+@dataclass(frozen=True)
+class _Place:
+    """Where in the tree a shape is: names of the groups round it, clip paths with their transforms, and its layer."""
+
+    names: tuple[str, ...] = ()
+    clips: tuple[tuple[str, str], ...] = ()
+    layer: str = ""
+    unseen: bool = False
+
+    def within(self, item: Any, called: list[str]) -> _Place:
+        """The place of what is in a group."""
+        own = item.values.get("attributes", {})
+        clip = clip_name(own)
+        clips = (*self.clips, (clip, str(item.values.get("transform") or ""))) if clip else self.clips
+        return _Place((*self.names, *called), clips, self.layer, self.unseen or is_transparent(own))
+
+
 def _shapes(
-    group: Any, names: list[str], skipped: Counter[str], elements: Any, asked: set[str]
-) -> Iterator[tuple[Any, str]]:
-    """Shapes that are shown, each with its layer."""
+    group: Any, place: _Place, skipped: Counter[str], elements: Any, asked: set[str], canvas: Canvas | None = None
+) -> Iterator[tuple[Any, _Place, str, Any]]:
+    """Shapes that are shown, or asked for by name: each with its place, its colour and its path."""
+    canvas = canvas or Canvas()
     for item in group:
         values = item.values
         own = values.get("attributes", {})
         called = [name for name in (own.get(LABEL), own.get("data-name"), own.get("id")) if name]
         kind = type(item).__name__
-        if kind in ("ClipPath", "Pattern"):
+        if CLIP in own:
             continue
         if isinstance(item, list) and not isinstance(item, elements.Shape):
-            yield from _shapes(item, names + called[:2], skipped, elements, asked)
+            yield from _shapes(item, place.within(item, called[:2]), skipped, elements, asked, canvas)
         elif isinstance(item, elements.Shape):
-            if values.get("visibility") != "hidden":
-                yield item, _layer(names, called, asked)
+            here = replace(place.within(item, []), layer=_layer(list(place.names), called, asked))
+            drawn = elements.Path(item).reify()  # as a path: svgelements turns mirrored circles into wrong ones
+            color = canvas.color(item, drawn)
+            seen = color is not None and not here.unseen and values.get("visibility") not in ("hidden", "collapse")
+            if seen or here.layer.casefold() in asked:
+                yield item, here, color or "", drawn
+            else:
+                skipped[HIDDEN] += 1
         elif kind in ("Text", "Image"):
             skipped[kind.lower()] += 1
+
+
+def _clips(document: Any, elements: Any) -> dict[str, list[Floats]]:
+    """Rings of every clip path, in its own user space."""
+    found: dict[str, list[Floats]] = {}
+
+    def collect(group: Any, rings: list[Floats]) -> None:
+        for item in group:
+            if isinstance(item, elements.Shape):
+                box = elements.Path(item).reify()
+                extent = box.bbox()
+                size = max(extent[2] - extent[0], extent[3] - extent[1]) if extent is not None else 1.0
+                rings += [points for points, _ in _points(box, 1e-4 * size, elements, "a clip path")]
+            elif isinstance(item, list):
+                collect(item, rings)
+
+    for item in document:
+        own = item.values.get("attributes", {})
+        if CLIP in own and own.get("clipPathUnits") != "objectBoundingBox":
+            collect(item, found.setdefault(own[CLIP], []))
+    return found
+
+
+def _window(place: _Place, clips: dict[str, list[Floats]], elements: Any, notes: list[str]) -> Any:
+    """The area in which a shape is seen, or None where nothing clips it."""
+    window = None
+    for name, transform in place.clips:
+        rings = clips.get(name)
+        if not rings:
+            text = f"the clip path {name!r} is not understood and not applied"
+            if text not in notes:
+                warnings.warn(text, KirigamiWarning, stacklevel=4)
+                notes.append(text)
+            continue
+        matrix = elements.Matrix(transform)
+        linear = np.array([[matrix.a, matrix.b], [matrix.c, matrix.d]])
+        area = clip_shape([ring @ linear + (matrix.e, matrix.f) for ring in rings])
+        window = area if window is None else window.intersection(area)
+    return window
 
 
 def _layer(groups: list[str], own: list[str], asked: set[str]) -> str:
@@ -261,28 +356,24 @@ def _layer(groups: list[str], own: list[str], asked: set[str]) -> str:
     return groups[-1] if groups else ""
 
 
-def _color(shape: Any) -> str:
-    for paint in (shape.stroke, shape.fill):
-        if paint is not None and paint.value is not None:
-            return color_name(str(paint.hex)[:7])
-    return ""
-
-
-def _points(path: Any, distance: float, elements: Any, source: str) -> Iterator[Floats]:
-    """Points of a path in user units, one array per subpath."""
+def _points(path: Any, distance: float, elements: Any, source: str) -> Iterator[tuple[Floats, Floats]]:
+    """Points of a path in user units, and how far it bows from each chord, for every subpath."""
     parts: list[Floats] = []
+    bows: list[float] = []
 
-    def finished(closed: bool) -> Iterator[Floats]:
+    def finished(closed: bool) -> Iterator[tuple[Floats, Floats]]:
         if parts:
             points = np.concatenate([parts[0], *(part[1:] for part in parts[1:])])
+            bow = np.repeat(bows, [len(part) - 1 for part in parts])
             parts.clear()
+            bows.clear()
             size = np.ptp(points, axis=0).max()
             if np.linalg.norm(points[0] - points[-1]) <= 1e-9 * size:
                 points[-1] = points[0]
             elif closed:
-                points = np.concatenate([points, points[:1]])
+                points, bow = np.concatenate([points, points[:1]]), np.append(bow, 0.0)
             if size > 0:
-                yield points
+                yield points, bow
 
     try:
         for segment in path:
@@ -292,10 +383,12 @@ def _points(path: Any, distance: float, elements: Any, source: str) -> Iterator[
                 yield from finished(True)
             elif isinstance(segment, elements.Line):
                 parts.append(np.array([segment.start, segment.end], dtype=float))
+                bows.append(0.0)
             else:
                 points = flattened(lambda t, curve=segment: np.asarray(curve.npoint(t), dtype=float), distance)
                 points[0], points[-1] = segment.start, segment.end
                 parts.append(points)
+                bows.append(distance)
     except (ValueError, TypeError, IndexError, ZeroDivisionError) as error:
         raise GeometryError(f"{source} cannot be read: {error}") from None
     yield from finished(False)

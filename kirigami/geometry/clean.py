@@ -311,7 +311,7 @@ def _largest_part(
         more = [] if len(names) <= 6 else [f"and {len(names) - 6} smaller ones"]
         raise GeometryError(
             f"the cuts sever the sheet into {len(names)} parts:\n  " + "\n  ".join(descriptions + more) + "\n"
-            "Shorten a cut, draw a piece that is to fall out as a Polygon, or pass allow_parts=True."
+            "Shorten a cut, draw a piece that is to fall out as a closed curve (a Polygon), or use `allow_parts=True`."
         )
     verb = "piece falls" if len(names) == 2 else "pieces fall"
     pieces = "; ".join(described(name) for name in names[1:4]) + ("; ..." if len(names) > 4 else "")

@@ -1,0 +1,92 @@
+"""Curves as readers find them: points with where they come from, their unit, and chords along what is smooth."""
+
+from __future__ import annotations
+
+import warnings
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kirigami.errors import KirigamiWarning
+from kirigami.units import metres_per
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Curve:
+    """One drawn curve as points (k, 2), with where it comes from; closed where the last point is the first.
+
+    `bow` (k - 1,) is how far the true curve may lie from each chord: zero where it was drawn straight. `numbers` are
+    those of the drawn curves that it was joined from.
+    """
+
+    points: Floats
+    layer: str = ""
+    color: str = ""
+    source: str = ""
+    line_type: str = ""
+    bow: Floats | float = 0.0
+    role: str = ""
+    numbers: tuple[int, ...] = ()
+
+    @property
+    def closed(self) -> bool:
+        return len(self.points) > 3 and bool((self.points[0] == self.points[-1]).all())
+
+    @property
+    def length(self) -> float:
+        return float(np.linalg.norm(np.diff(self.points, axis=0), axis=1).sum())
+
+    @property
+    def called(self) -> str:
+        """Its source with layer and colour, for messages."""
+        by = [f"layer {self.layer!r}"] if self.layer else []
+        by += [self.color] if self.color else []
+        return f"{self.source} ({', '.join(by)})" if by else self.source
+
+
+def counted(number: int, what: str) -> str:
+    """A number of things in words: "1 curve", "2 curves"."""
+    return f"{number} {what}{'' if number == 1 else 's'}"
+
+
+def scale_of(unit: str, drawn_in: str | None, stated: str | None, notes: list[str]) -> tuple[float, str]:
+    """Factor from drawn numbers to the wanted unit, and the unit of the result; says what it assumes."""
+    if drawn_in is None and stated is None:
+        warnings.warn(
+            f"the drawing names no unit: its numbers are taken as {unit}; "
+            'say `drawn_in="mm"` (or what they are) to convert them',
+            KirigamiWarning,
+            stacklevel=3,
+        )
+        notes.append(f"no unit in the drawing: numbers taken as {unit}")
+        return 1.0, unit
+    source = drawn_in or stated or unit
+    notes.append(f"drawn in {source}, converted to {unit}")
+    ratio = metres_per(source) / metres_per(unit)
+    return (float(round(ratio)) if abs(ratio - round(ratio)) < 1e-12 * ratio else ratio), unit
+
+
+def scaled(points: Floats, factor: float) -> Floats:
+    """Points times a factor, dividing by whole numbers where that rounds less (mm to m)."""
+    inverse = round(1 / factor)
+    return points / inverse if factor < 1 and abs(inverse * factor - 1) < 1e-12 else points * factor
+
+
+def flattened(position: Any, flatness: float) -> Floats:
+    """Points along a smooth curve ``position(t)``, t in [0, 1] -> (k, 2), with chords nearer to it than `flatness`."""
+    t = np.linspace(0.0, 1.0, 9)
+    for _ in range(12):
+        points, middles = position(t), position(0.5 * (t[1:] + t[:-1]))
+        chord = points[1:] - points[:-1]
+        length = np.maximum(np.linalg.norm(chord, axis=1), 1e-300)
+        off = middles - points[:-1]
+        height = np.abs(chord[:, 0] * off[:, 1] - chord[:, 1] * off[:, 0]) / length
+        rough = height > flatness
+        if not rough.any():
+            break
+        t = np.sort(np.concatenate([t, 0.5 * (t[1:] + t[:-1])[rough]]))
+    return np.asarray(position(t), dtype=float)

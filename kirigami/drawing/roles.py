@@ -1,0 +1,193 @@
+"""What a curve is for: told by the user, by the name of its layer, by its line type, or by its colour."""
+
+from __future__ import annotations
+
+import re
+import warnings
+from collections import Counter
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+
+from kirigami.drawing.curves import Curve, counted
+from kirigami.errors import GeometryError, KirigamiWarning
+
+Names = str | Iterable[str] | None
+
+# How words in the names of layers begin or end that say what a layer is for; the first row with a match wins.
+WORDS = (
+    ("ignore", ("defpoints", "dim", "text", "note", "construction", "guide", "title", "legend", "bemassung", "hilfs",
+                "viewport", "annotation", "etch", "engrav", "gravur", "gravier", "raster")),
+    ("fold", ("fold", "folds", "crease", "creases", "score", "scoring", "mountain", "valley", "bend", "falz")),
+    ("outline", ("outline", "contour", "border", "boundary", "frame", "perimeter", "sheet", "umriss", "kontur",
+                 "profile", "profiles")),
+    ("cut", ("cut", "cuts", "cutting", "slit", "slits", "slot", "slots", "hole", "holes", "laser", "schnitt", "kerf")),
+    ("ignore", ("center", "centre", "centerline", "mittel", "mark", "marks", "marking", "registration")),
+)  # fmt: skip
+# Words in the names of line types; folds are drawn in dashes, centre lines in long and short ones.
+LINE_TYPES = {"ignore": ("center", "centre", "mittel"), "fold": ("dash", "hidden", "phantom", "dot", "divide", "iso")}
+COLORS = {
+    "#000000": "black", "#ff0000": "red", "#0000ff": "blue", "#00ff00": "green", "#008000": "green",
+    "#ff00ff": "magenta", "#00ffff": "cyan", "#ffff00": "yellow", "#ffffff": "white",
+}  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Row:
+    """What the curves of one layer, colour and line type were taken for."""
+
+    layer: str
+    color: str
+    line_type: str
+    role: str
+    count: int
+
+
+@dataclass
+class Roles:
+    """Which layers (or colours) are what; None leaves it to the names of the layers."""
+
+    outline: Names = None
+    cuts: Names = None
+    folds: Names = None
+    ignore: Names = None
+
+    def of(self, curves: Sequence[Curve]) -> list[str]:
+        """Role of each curve: "outline", "cut", "fold", "ignore", or "" where nothing says."""
+        asked: dict[str, str] = {}
+        present = {name.casefold() for curve in curves for name in (curve.layer, curve.color) if name}
+        for role, names in (
+            ("outline", self.outline), ("cut", self.cuts), ("fold", self.folds), ("ignore", self.ignore)
+        ):  # fmt: skip
+            for name in listed(names):
+                plain = color_name(name).casefold()
+                if plain not in present:
+                    raise GeometryError(f"no curve is on a layer or has a colour {name!r}; there are {listing(curves)}")
+                asked[plain] = role
+        by_name = {curve.layer: role_of_name(curve.layer) for curve in curves}
+        by_type = {curve.line_type: role_of_line_type(curve.line_type) for curve in curves}
+        told = [asked.get(curve.layer.casefold()) or asked.get(curve.color.casefold()) for curve in curves]
+        plain_ones = any(
+            not (role or by_name[curve.layer] or by_type[curve.line_type])
+            or (role or by_name[curve.layer]) in ("outline", "cut")
+            for curve, role in zip(curves, told)
+        )
+        # Dashes tell something only beside lines without them.
+        return [
+            role or by_name[curve.layer] or (by_type[curve.line_type] if plain_ones else "")
+            for curve, role in zip(curves, told)
+        ]
+
+    @property
+    def names(self) -> set[str]:
+        """All names asked for, in small letters."""
+        groups = (self.outline, self.cuts, self.folds, self.ignore)
+        return {name.casefold() for group in groups for name in listed(group)}
+
+    def settle(self, inner: Sequence[Curve], rim: Sequence[Curve]) -> list[Curve]:
+        """The curves inside the outline that are cut: those that are cuts by name, and of those without a role, cuts.
+
+        Parameters
+        ----------
+        inner : sequence of Curve
+            Those that are no folds.
+        rim : sequence of Curve
+            What the outline was made of.
+
+        Raises
+        ------
+        GeometryError
+            Lines of several colours, none of which has a role: some may be folds, and only the user knows.
+        """
+        unnamed = [curve for curve in inner if not curve.role]
+        if listed(self.cuts):
+            look = {(curve.layer, curve.color) for curve in rim}
+            left = [curve for curve in unnamed if not (curve.closed and (curve.layer, curve.color) in look)]
+            if left:
+                warnings.warn(
+                    f"{counted(len(left), 'curve')} inside the outline beside the cuts that were named: left out "
+                    f"({listing(left)}); {proposal(left, 'folds')} folds there, {proposal(left, 'cuts')} cuts",
+                    KirigamiWarning,
+                    stacklevel=4,
+                )
+            gone = set(map(id, left))
+            return [curve for curve in inner if id(curve) not in gone]
+        lines = [curve for curve in unnamed if not curve.closed]
+        colors = Counter(curve.color for curve in lines if curve.color)
+        known = {curve.color for curve in inner if curve.role == "cut"}
+        if len(colors.keys() - known) > 1:
+            told = ", ".join(f"{name} ({number})" for name, number in colors.most_common(6))
+            first, *others = (name for name, _ in colors.most_common(6))
+            raise GeometryError(
+                f"lines of {len(colors)} colours inside the outline, and nothing says which are cut and which are "
+                f"folded: {told}; name them, for example `cuts={first}` "
+                + " ".join(f"`folds={name}`" for name in others)
+                + f" (or `ignore={others[-1]}`, or `cuts` for each of them)"
+            )
+        odd = [curve for curve in lines if curve.color and curve.color not in known]
+        if known and odd:
+            warnings.warn(
+                f"{listing(odd)}: cut, though nothing says so and cuts have another colour; "
+                f"{proposal(odd, 'folds')} folds there, {proposal(odd, 'ignore')} leaves them out",
+                KirigamiWarning,
+                stacklevel=4,
+            )
+        return list(inner)
+
+
+def proposal(curves: Sequence[Curve], option: str) -> str:
+    """The option that gives these curves a role, by their colour or else their layer."""
+    names = [curve.color or curve.layer for curve in curves]
+    name = next((name for name in names if name), "")
+    return f"`{option}={name!r}`" if name else f"`{option}`"
+
+
+def listed(names: Names) -> list[str]:
+    """One name, several or none as a list."""
+    return [names] if isinstance(names, str) else list(names or ())
+
+
+def color_name(color: str) -> str:
+    """The common name of a colour given as #rrggbb, else what was given."""
+    return COLORS.get(color.casefold(), color)
+
+
+def role_of_name(name: str) -> str:
+    """The role that the name of a layer tells, or ""."""
+    tokens = re.findall(r"[^\W\d_]+", re.sub(r"([a-z])([A-Z])", r"\1 \2", name).casefold())
+    for role, words in WORDS:
+        if any(token.startswith(word) or token.endswith(word) for token in tokens for word in words):
+            return role
+    return ""
+
+
+def role_of_line_type(name: str) -> str:
+    """The role that a line type tells, or ""."""
+    plain = name.casefold()
+    return next((role for role, words in LINE_TYPES.items() if any(word in plain for word in words)), "")
+
+
+def listing(curves: Sequence[Curve]) -> str:
+    """Layers and colours with their numbers of curves, for messages."""
+    parts = []
+    for kind, names in (("layer", [c.layer for c in curves]), ("colour", [c.color for c in curves])):
+        parts += [f"{kind} {name!r} ({number})" for name, number in Counter(filter(None, names)).most_common(12)]
+    return ", ".join(parts) or "neither layers nor colours"
+
+
+def table_of(curves: Sequence[Curve], became: dict[int, str]) -> tuple[Row, ...]:
+    """Rows of what curves became, in the order of the drawing; those that became nothing are left out."""
+    rows = Counter(
+        (curve.layer, curve.color, curve.line_type, became.get(number, "left out"))
+        for number, curve in enumerate(curves)
+    )
+    return tuple(Row(*key, count) for key, count in rows.items())
+
+
+def table_lines(rows: Sequence[Row]) -> list[str]:
+    """The table as lines of text."""
+    if not rows:
+        return []
+    head = ("layer", "colour", "line type", "curves", "taken as")
+    cells = [(row.layer or "-", row.color or "-", row.line_type or "-", str(row.count), row.role) for row in rows]
+    wide = [max(len(line[k]) for line in (head, *cells)) for k in range(len(head))]
+    return ["  ".join(word.ljust(width) for word, width in zip(line, wide)).rstrip() for line in (head, *cells)]
