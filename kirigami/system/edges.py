@@ -11,14 +11,23 @@ from numpy.typing import NDArray
 
 from kirigami.geometry.topology import edges_within
 from kirigami.model.constraints import Constraint
+from kirigami.primitives.kernel import Array
 from kirigami.primitives.node import AXES
 from kirigami.primitives.rows import EdgeRows
 
 Index = NDArray[np.int64]
 
+AFFINE = 1e-9  # deviation of driven nodes from an affine map, over the range of their displacements
 
-def held_middles(edges: EdgeRows, item: Constraint, nodes: Index, leaders: Index, dim: int) -> Index:
-    """Numbers of the unknowns of edges' middles that a constraint on `nodes` holds at their rest value."""
+
+def held_middles(
+    edges: EdgeRows, item: Constraint, nodes: Index, leaders: Index, rest: Array
+) -> tuple[Index, Array]:
+    """Numbers of the unknowns of edges' middles that a constraint on `nodes` holds, and their changes.
+
+    The middles go where the ends take them, which is known where the nodes move by an affine map, as a grip does. Where
+    they are driven apart from each other, the sheet between them is free to follow a curve.
+    """
     ahead = np.full(int(edges.ends.max()) + 1, -1)
     inside = np.isin(np.arange(len(ahead)), nodes)
     held = edges_within(edges.edge, edges.ends, inside)
@@ -26,8 +35,21 @@ def held_middles(edges: EdgeRows, item: Constraint, nodes: Index, leaders: Index
         known = nodes < len(ahead)
         ahead[nodes[known]] = leaders[known]
         held &= ahead[edges.ends[:, 0]] == ahead[edges.ends[:, 1]]
-    axes = [AXES.index(axis) for axis in item.values]
-    return np.asarray((edges.middle[held][:, None] * dim + axes).ravel())
+    dim = rest.shape[1]
+    numbers, changes = [], []
+    for axis, values in item.values.items():
+        change = np.zeros(int(held.sum()))
+        if not len(leaders) and np.ptp(values) > 0:
+            arms = rest[nodes] - rest[nodes].mean(axis=0)
+            slope = np.linalg.lstsq(arms, values - values.mean(), rcond=1e-9)[0]
+            if np.abs(arms @ slope + values.mean() - values).max() > AFFINE * np.ptp(values):
+                continue
+            change = rest[edges.middle[held]] @ slope
+        numbers.append(edges.middle[held] * dim + AXES.index(axis))
+        changes.append(change)
+    if not numbers:
+        return np.empty(0, np.int64), np.empty(0)
+    return np.concatenate(numbers), np.concatenate(changes)
 
 
 def held_angles(edges: EdgeRows, nodes: Index, dim: int) -> Index:

@@ -52,7 +52,8 @@ class Unknowns:
             if numbering.edges is not None:
                 from kirigami.system.edges import held_angles, held_middles  # a truss needs no mesh
 
-                still = held_middles(numbering.edges, item, nodes, leaders, self.dim)
+                still, change = held_middles(numbering.edges, item, nodes, leaders, self.rest)
+                (held if item.constant else drive)[still] = change
                 if item.clamp:
                     angles = held_angles(numbering.edges, nodes, self.dim)
                     if not len(angles):
