@@ -106,6 +106,7 @@ class Run:
             iterations=iterations,
             history=system.history,
             stage=system.model.stage,
+            stage_key=system.model.stage_key,
         )
 
     def count_seconds(self) -> None:

@@ -7,6 +7,7 @@ and its derivatives over the measure of the cell (length, area or volume) are me
 
 from __future__ import annotations
 
+import copy
 import math
 from collections.abc import Sequence
 from typing import Any
@@ -211,11 +212,9 @@ class PeriodicCell:
 
     def _bare(self) -> Model:
         """The model without loads, held by the ties of the cell alone."""
-        bare = Model(dim=self.dim)
-        bare.mesh, bare.sheet_constants = self.model.mesh, self.model.sheet_constants
-        bare.add(*self.model.nodes)
-        bare.add(*self.model.elements, *self.model.effects)
-        nodes = self.model.nodes
+        bare = copy.copy(self.model)
+        bare.remove(*bare.constraints, *bare.loads)
+        nodes = bare.nodes
         bare.add(Tie([nodes[k] for k in self.images[:, 0]], [nodes[k] for k in self.images[:, 1]], AXES[: self.dim]))
         return bare
 

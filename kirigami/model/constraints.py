@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from types import MappingProxyType
 from typing import Any, ClassVar
 
 import numpy as np
@@ -24,19 +25,31 @@ def values_for(value: ArrayLike, count: int, owner: str) -> Array:
     return values
 
 
+def read_only(values: Array) -> Array:
+    """A view of an array through which it cannot be changed."""
+    view: Array = values.view()
+    view.flags.writeable = False
+    return view
+
+
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
 class Constraint(ModelObject):
     """Base of all constraints: a group of nodes and what is known of their displacement.
 
-    ``values`` maps an axis letter to one value per node; ``leaders`` names the node each follows, if any.
+    ``leaders`` names the node each of the group follows, if any.
     """
 
     kind: ClassVar[str] = "constraint"
     group: tuple[Node, ...]
-    values: dict[str, Array]
+    _values: dict[str, Array]
     constant: bool = False
     clamp: bool = False
     leaders: tuple[Node, ...] = ()
+
+    @property
+    def values(self) -> Mapping[str, Array]:
+        """Displacement, or difference from the leaders, of each node (number of nodes,) by axis; not to be edited."""
+        return MappingProxyType({axis: read_only(values) for axis, values in self._values.items()})
 
     @property
     def nodes(self) -> tuple[Node, ...]:
@@ -53,7 +66,7 @@ class Constraint(ModelObject):
         return clamp_kernels([item.group for item in clamped], numbering)
 
     def __repr__(self) -> str:
-        return f"{type(self).__name__}({len(self.group)} nodes, {''.join(self.values)})"
+        return f"{type(self).__name__}({len(self.group)} nodes, {''.join(self._values)})"
 
 
 class Fix(Constraint):
@@ -136,7 +149,7 @@ class Prescribe(Constraint):
         """The same, constant at load factor `lam`."""
         if self.constant:
             return self
-        scaled = {axis: lam * value for axis, value in self.values.items()}
+        scaled = {axis: lam * value for axis, value in self._values.items()}
         return Prescribe(self.group, **scaled, clamp=self.clamp, constant=True)
 
 
@@ -201,5 +214,5 @@ class Tie(Constraint):
         """The same, constant at load factor `lam`."""
         if self.constant:
             return self
-        scaled = {axis: lam * value for axis, value in self.values.items()}
-        return Tie(self.group, self.leaders, "".join(self.values), **scaled, constant=True)
+        scaled = {axis: lam * value for axis, value in self._values.items()}
+        return Tie(self.group, self.leaders, "".join(self._values), **scaled, constant=True)

@@ -11,7 +11,6 @@ from kirigami.elements.bar import Bar
 from kirigami.elements.bend_hinge import BendHinge
 from kirigami.elements.stiffness import Calibration, SheetConstants, bar_stiffness, directional_bias, hinge_stiffness
 from kirigami.errors import KirigamiWarning, ModelError
-from kirigami.model.model import Model
 from kirigami.primitives.checks import require_positive
 from kirigami.primitives.material import Material
 from kirigami.primitives.node import Node
@@ -24,14 +23,14 @@ if TYPE_CHECKING:
     from kirigami.geometry.mesh import TriMesh
 
 
-def populate(
-    model: Model,
+def sheet_parts(
     mesh: TriMesh,
     thickness: float | None,
     material: Material | None,
     stiffness: str | Calibration,
-) -> None:
-    """Fill an empty model with the nodes and elements of a mesh."""
+    dim: int,
+) -> tuple[list[Node], list[ModelObject], SheetConstants]:
+    """The nodes and elements of a mesh, and the constants that the elements were made with."""
     thickness = mesh.thickness if thickness is None else thickness
     material = mesh.material if material is None else material
     if thickness is None or material is None:
@@ -42,34 +41,35 @@ def populate(
         raise ModelError(f"Model.from_mesh: material must be a Material, got {material!r}")
     calibration = Calibration.named(stiffness, material)
     nodes = [Node(*position) for position in mesh.nodes.tolist()]
-    model.add(*nodes)
     rung = stiffness if isinstance(stiffness, str) else "calibration"
-    model.mesh = mesh
-    model.sheet_constants = SheetConstants(calibration, thickness, material, rung)
+    constants = SheetConstants(calibration, thickness, material, rung)
     if rung == "shell":
         from kirigami.elements.shell_facet import ShellFacet
 
         corners = mesh.triangles.tolist()
-        model.add(*(ShellFacet(nodes[i], nodes[j], nodes[k], thickness, material) for i, j, k in corners))
-        return
-    if rung in ("facet", "split"):
-        if model.dim == 2 and rung == "split":
+        facets = [ShellFacet(nodes[i], nodes[j], nodes[k], thickness, material) for i, j, k in corners]
+        return nodes, facets, constants
+    if rung == "facet":
+        return nodes, _facets(nodes, mesh, thickness, material), constants
+    if rung == "split":
+        if dim == 2:
             raise ModelError("Model.from_mesh: stiffness='split' bends, so it needs dim=3; in a plane use 'facet'")
-        (_add_facets if rung == "facet" else _add_curved_facets)(model, mesh, thickness, material)
-        return
+        normals, curved = _curved_facets(nodes, mesh, thickness, material)
+        return nodes + normals, curved, constants
     _warn_of_bias(mesh)
     EA = bar_stiffness(mesh, thickness, material.E, calibration.F_s).tolist()
-    model.add(*(Bar(nodes[j], nodes[k], value) for (j, k), value in zip(mesh.edges.tolist(), EA)))
-    if model.dim == 3:
+    elements: list[ModelObject] = [
+        Bar(nodes[j], nodes[k], value) for (j, k), value in zip(mesh.edges.tolist(), EA)
+    ]
+    if dim == 3:
         inner = np.flatnonzero(mesh.edge_facets[:, 1] >= 0)
         rigidity = hinge_stiffness(mesh, thickness, material.E, calibration.c)[inner].tolist()
         edges, wings = mesh.edges[inner].tolist(), mesh.edge_wings[inner].tolist()
-        model.add(
-            *(
-                BendHinge(nodes[i], nodes[j], nodes[k], nodes[other], value)
-                for (j, k), (i, other), value in zip(edges, wings, rigidity)
-            )
-        )
+        elements += [
+            BendHinge(nodes[i], nodes[j], nodes[k], nodes[other], value)
+            for (j, k), (i, other), value in zip(edges, wings, rigidity)
+        ]
+    return nodes, elements, constants
 
 
 def _warn_of_bias(mesh: TriMesh) -> None:
@@ -87,24 +87,23 @@ def _warn_of_bias(mesh: TriMesh) -> None:
         )
 
 
-def _add_curved_facets(model: Model, mesh: TriMesh, thickness: float, material: Material) -> None:
+def _curved_facets(
+    nodes: list[Node], mesh: TriMesh, thickness: float, material: Material
+) -> tuple[list[Node], list[ModelObject]]:
     """Every facet a curved one, and a normal at every node, with its tip on the upper face of the sheet."""
     from kirigami.elements.curved_facet import CurvedFacet
     from kirigami.geometry.normals import Normal, sheet_normals
 
-    nodes = model.nodes[:]
-    directions = sheet_normals(model.positions(), mesh.triangles).tolist()
+    directions = sheet_normals(mesh.nodes, mesh.triangles).tolist()
     normals = [Normal(node, direction, 0.5 * thickness) for node, direction in zip(nodes, directions)]
-    model.add(*normals)
     corners = mesh.triangles.tolist()
-    model.add(*(CurvedFacet(normals[i], normals[j], normals[k], thickness, material) for i, j, k in corners))
+    return [*normals], [CurvedFacet(normals[i], normals[j], normals[k], thickness, material) for i, j, k in corners]
 
 
-def _add_facets(model: Model, mesh: TriMesh, thickness: float, material: Material) -> None:
+def _facets(nodes: list[Node], mesh: TriMesh, thickness: float, material: Material) -> list[ModelObject]:
     """Every facet one that stretches and bends against its neighbours."""
     from kirigami.elements.facet import Facet
 
-    nodes = model.nodes[:]
     # For each facet and corner, the corner of the neighbour across the opposite edge.
     edge_of = {tuple(edge): position for position, edge in enumerate(np.sort(mesh.edges, axis=1).tolist())}
     made: list[ModelObject] = []
@@ -119,4 +118,4 @@ def _add_facets(model: Model, mesh: TriMesh, thickness: float, material: Materia
             across.append(nodes[wing] if other >= 0 else None)
         i, j, k = (nodes[corner] for corner in triangle)
         made.append(Facet(i, j, k, thickness, material, (across[0], across[1], across[2])))
-    model.add(*made)
+    return made

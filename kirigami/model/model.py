@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Callable, Iterable, Sequence
 from typing import TYPE_CHECKING, Any, TypeVar, overload
+from uuid import uuid4
+from weakref import ref
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -14,7 +16,7 @@ from kirigami.errors import GeometryError, ModelError
 from kirigami.primitives.checks import require_finite
 from kirigami.primitives.material import Material
 from kirigami.primitives.node import Node
-from kirigami.primitives.parts import ModelObject
+from kirigami.primitives.parts import KINDS, ModelObject
 
 if TYPE_CHECKING:
     from kirigami.elements.stiffness import Calibration, SheetConstants
@@ -48,21 +50,42 @@ class Model:
     def __init__(self, dim: int = 3, name: str = "") -> None:
         if dim not in (2, 3):
             raise ModelError(f"Model: dim must be 2 or 3, got {dim!r}")
-        self.dim = dim
+        self._dim = dim
         self.name = name
         self.version = 0  # counts edits, so that a System made before an edit refuses to be used after it
         self.stage = 0  # counts hold(): the load factor starts from zero again in each stage
-        self.mesh: TriMesh | None = None
-        self.sheet_constants: SheetConstants | None = None
+        self.stage_key = uuid4().hex  # what the steps of this model in this stage are known by
+        self._mesh: TriMesh | None = None
+        self._sheet_constants: SheetConstants | None = None
+        self._sheet: tuple[Any, ...] = ()  # the elements that from_mesh made
         self._nodes: list[Node] = []
+        self._rest: list[tuple[float, float, float]] = []  # where the nodes are in the rest state of this model
         self._index: dict[int, int] = {}
         self._normals: list[tuple[int, int]] = []  # node and tip of its normal
-        self._objects: dict[str, list[Any]] = {"element": [], "constraint": [], "load": [], "effect": []}
+        self._objects: dict[str, dict[int, Any]] = {kind: {} for kind in KINDS}  # by identity, in the order added
+        self._views: dict[str, tuple[Any, ...]] = {}  # what is handed out, until the next edit
 
     def __setstate__(self, state: dict[str, Any]) -> None:
-        """A copy has nodes of its own, and nodes are known by identity."""
+        """A copy has lists of its own. One made by ``copy.copy`` shares the nodes, but has its own rest state."""
         self.__dict__.update(state)
+        self._nodes, self._rest, self._normals = list(self._nodes), list(self._rest), list(self._normals)
         self._index = {id(node): position for position, node in enumerate(self._nodes)}
+        self._objects = {
+            kind: {id(item): item for item in stored.values()} for kind, stored in self._objects.items()
+        }
+        self._views = {}
+        self._claim(self._nodes)
+
+    def _claim(self, nodes: Iterable[Node]) -> None:
+        """Nodes that no other model holds are this one's."""
+        mine = ref(self)
+        for node in nodes:
+            if node.model is None:
+                node._owner = mine
+
+    def _edited(self) -> None:
+        self.version += 1
+        self._views = {}
 
     # ---- building
 
@@ -110,10 +133,13 @@ class Model:
         >>> print(kg.Model.from_mesh(mesh, thickness=0.01, material=kg.Material(E=1e9)))
         Model in 3D: 4 nodes, 5 Bar, 1 BendHinge
         """
-        from kirigami.model.from_mesh import populate
+        from kirigami.model.from_mesh import sheet_parts
 
         model = cls(dim=dim)
-        populate(model, mesh, thickness, material, stiffness)
+        nodes, elements, constants = sheet_parts(mesh, thickness, material, stiffness, model.dim)
+        model.add(*nodes)
+        model.add(*elements)
+        model._mesh, model._sheet_constants, model._sheet = mesh, constants, tuple(elements)
         return model
 
     @overload
@@ -130,49 +156,86 @@ class Model:
         ModelError
             An object is no model object, is already in the model, or uses a node that is not in the model.
         """
+        fresh = self._checked(items)
         for item in items:
             if isinstance(item, Node):
-                if id(item) in self._index:
-                    raise ModelError(f"{item!r} is already in the model")
-                if self.dim == 2 and item.z != 0.0:
-                    raise ModelError(f"{item!r} has z = {item.z}, but the model has dim=2: use z = 0 or dim=3")
                 if item.base is not None:
-                    if id(item.base) not in self._index:
-                        raise ModelError(f"{item!r} stands on a node that is not in this model: add the node first")
                     self._normals.append((self._index[id(item.base)], len(self._nodes)))
                 self._index[id(item)] = len(self._nodes)
                 self._nodes.append(item)
-            elif isinstance(item, ModelObject):
-                self._check_nodes(item)
-                self._objects[item.kind].append(item)
+                self._rest.append(item._position)
             else:
-                hint = ": unpack lists with add(*objects)" if isinstance(item, (list, tuple)) else ""
-                raise ModelError(f"cannot add a {type(item).__name__} to a model{hint}")
-        self.version += 1
+                self._objects[item.kind][id(item)] = item
+        self._claim(fresh)
+        self._edited()
         return items[0] if len(items) == 1 else items
 
-    def _check_nodes(self, item: ModelObject) -> None:
-        for node in item.nodes:
-            if not isinstance(node, Node):
-                raise ModelError(f"{type(item).__name__} was given {node!r} where a Node belongs")
-            if id(node) not in self._index:
-                raise ModelError(f"{type(item).__name__} uses {node!r}, which is not in this model: add the node first")
+    def _checked(self, items: Sequence[Any]) -> list[Node]:
+        """Hold all that is to be added against the rules before anything is; returns the nodes among it."""
+        fresh: list[Node] = []
+        listed: set[int] = set()
+
+        def known(node: Node) -> bool:
+            return id(node) in self._index or id(node) in listed
+
+        for item in items:
+            if not isinstance(item, (Node, ModelObject)):
+                hint = ": unpack lists with add(*objects)" if isinstance(item, (list, tuple)) else ""
+                raise ModelError(f"cannot add a {type(item).__name__} to a model{hint}")
+            if id(item) in listed:
+                raise ModelError(f"{item!r} is listed twice: add it once")
+            if isinstance(item, Node):
+                self._check_node(item)
+                if item.base is not None and not known(item.base):
+                    raise ModelError(f"{item!r} stands on a node that is not in this model: add the node first")
+                fresh.append(item)
+            else:
+                if item.kind not in KINDS:
+                    raise ModelError(f"{type(item).__name__}.kind must be one of {', '.join(KINDS)}, got {item.kind!r}")
+                if id(item) in self._objects[item.kind]:
+                    raise ModelError(f"{item!r} is already in the model: what is to act twice must be made twice")
+                for node in item.nodes:
+                    if not isinstance(node, Node):
+                        raise ModelError(f"{type(item).__name__} was given {node!r} where a Node belongs")
+                    if not known(node):
+                        raise ModelError(f"{type(item).__name__} uses {node!r}, which is {self._whose(node)}")
+            listed.add(id(item))
+        return fresh
+
+    def _check_node(self, node: Node) -> None:
+        if id(node) in self._index:
+            raise ModelError(f"{node!r} is already in the model")
+        if node.model is not None:
+            raise ModelError(f"{node!r} is in another model, and would be moved by both: make a node for this one")
+        if self.dim == 2 and node.z != 0.0:
+            raise ModelError(f"{node!r} has z = {node.z}, but the model has dim=2: use z = 0 or dim=3")
+
+    @staticmethod
+    def _whose(node: Node) -> str:
+        if node.model is None:
+            return "not in this model: add the node first"
+        return "a node of another model: take this model's, such as model.nodes[k] or model.select(...)"
 
     def remove(self, *items: ModelObject) -> None:
-        """Take elements, constraints or loads out again (nodes stay).
+        """Take elements, constraints or loads out again, all of them or none; nodes stay.
 
         Raises
         ------
         ModelError
-            An object is not in the model.
+            An object is not in the model, is listed twice, or is a node.
         """
+        going: set[int] = set()
         for item in items:
-            stored = self._objects.get(getattr(item, "kind", ""), [])
-            position = next((k for k, other in enumerate(stored) if other is item), None)
-            if position is None:
+            if isinstance(item, Node):
+                raise ModelError(f"{item!r} cannot be removed: nodes stay; leave it out when the model is made")
+            if id(item) not in self._objects.get(getattr(item, "kind", ""), {}):
                 raise ModelError(f"{item!r} is not in the model, so it cannot be removed")
-            del stored[position]
-        self.version += 1
+            if id(item) in going:
+                raise ModelError(f"{item!r} is listed twice: remove it once")
+            going.add(id(item))
+        for item in items:
+            del self._objects[item.kind][id(item)]
+        self._edited()
 
     def hold(self, step: Any) -> None:
         """Freeze what drives the model at its value in `step` and start the load factor from zero again.
@@ -184,14 +247,32 @@ class Model:
         Parameters
         ----------
         step : Step
-            The equilibrium to go on from.
+            The equilibrium to go on from, of this model and of its present stage.
+
+        Raises
+        ------
+        ModelError
+            No step, or one of another model or of another stage, whose load factor says nothing about this one.
         """
-        for kind in ("constraint", "load", "effect"):
-            self._objects[kind] = [
-                item.held(step.lam) if hasattr(item, "held") else item for item in self._objects[kind]
-            ]
+        lam, stage, key = (getattr(step, name, None) for name in ("lam", "stage", "stage_key"))
+        if lam is None or stage is None:
+            raise ModelError(f"hold: give a step of results, such as results[-1], got {step!r}")
+        if stage != self.stage:
+            raise ModelError(
+                f"hold: the step was found in stage {stage} of a model (counted by hold), but this model is in stage "
+                f"{self.stage}: its load factor {lam:.6g} is not one of what drives the model now; give a step of this "
+                "stage"
+            )
+        # A step read from a file has no key; then the number of nodes must do.
+        if key != self.stage_key if key else len(step.u) != len(self._nodes):
+            raise ModelError("hold: the step belongs to another model: give a step of this model's results")
+        self._objects = {
+            kind: {id(held): held for held in [item.held(lam) for item in stored.values()]}
+            for kind, stored in self._objects.items()
+        }
         self.stage += 1
-        self.version += 1
+        self.stage_key = uuid4().hex
+        self._edited()
 
     def perturb(self, shape: Any, amplitude: float | None = None) -> None:
         """Move the nodes of the rest state by a stress-free imperfection.
@@ -245,16 +326,47 @@ class Model:
             from kirigami.geometry.normals import moved_tips
 
             moved[tip] = moved_tips(base, tip, positions, moved, self.mesh)
-        for node, position in zip(self._nodes, moved.tolist()):
-            node._position = tuple(position)
-        self.version += 1
+        self._claim(self._nodes)
+        self._rest = [(x, y, z) for x, y, z in moved.tolist()]
+        for node, position in zip(self._nodes, self._rest):
+            if node.model is self:  # a node shared with a copy shows where it is in the model it was made for
+                node._position = position
+        self._edited()
 
     # ---- looking
 
     @property
-    def nodes(self) -> list[Node]:
+    def dim(self) -> int:
+        """Unknowns per node, 2 or 3."""
+        return self._dim
+
+    @property
+    def mesh(self) -> TriMesh | None:
+        """The mesh of a model made by :meth:`from_mesh`."""
+        return self._mesh
+
+    @property
+    def sheet_constants(self) -> SheetConstants | None:
+        """Thickness, material and accuracy of a model made by :meth:`from_mesh`."""
+        return self._sheet_constants
+
+    @property
+    def sheet_elements(self) -> tuple[Any, ...]:
+        """The elements that :meth:`from_mesh` made, whether or not they are still in the model."""
+        return self._sheet
+
+    # Tuples, so that every edit goes through add and remove and is counted.
+    @property
+    def nodes(self) -> tuple[Node, ...]:
         """The nodes, in the order added."""
-        return self._nodes
+        if "node" not in self._views:
+            self._views["node"] = tuple(self._nodes)
+        return self._views["node"]
+
+    def _all(self, kind: str) -> tuple[Any, ...]:
+        if kind not in self._views:
+            self._views[kind] = tuple(self._objects[kind].values())
+        return self._views[kind]
 
     @property
     def normals(self) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
@@ -263,33 +375,33 @@ class Model:
         return pairs[:, 0], pairs[:, 1]
 
     @property
-    def elements(self) -> list[Any]:
+    def elements(self) -> tuple[Any, ...]:
         """Bars, hinges and springs, in the order added."""
-        return self._objects["element"]
+        return self._all("element")
 
     @property
-    def constraints(self) -> list[Any]:
+    def constraints(self) -> tuple[Any, ...]:
         """What is fixed, prescribed or tied, in the order added."""
-        return self._objects["constraint"]
+        return self._all("constraint")
 
     @property
-    def loads(self) -> list[Any]:
+    def loads(self) -> tuple[Any, ...]:
         """The loads, in the order added."""
-        return self._objects["load"]
+        return self._all("load")
 
     @property
-    def effects(self) -> list[Any]:
+    def effects(self) -> tuple[Any, ...]:
         """Everything else that makes force, in the order added."""
-        return self._objects["effect"]
+        return self._all("effect")
 
     @property
-    def objects(self) -> list[Any]:
+    def objects(self) -> tuple[Any, ...]:
         """Everything but the nodes, in the order added within each kind."""
-        return [item for stored in self._objects.values() for item in stored]
+        return tuple(item for kind in KINDS for item in self._all(kind))
 
     def positions(self) -> Array:
         """Rest positions of all nodes, shape (n, 3)."""
-        return np.array([node._position for node in self._nodes], dtype=float).reshape(-1, 3)
+        return np.array(self._rest, dtype=float).reshape(-1, 3)
 
     def index(self, nodes: Node | Iterable[Node]) -> NDArray[np.int64]:
         """Indices of one node or many.
@@ -302,7 +414,7 @@ class Model:
         listed = [nodes] if isinstance(nodes, Node) else list(nodes)
         for node in listed:
             if id(node) not in self._index:
-                raise ModelError(f"{node!r} is not in this model")
+                raise ModelError(f"{node!r} is {self._whose(node)}")
         return np.array([self._index[id(node)] for node in listed], dtype=np.int64)
 
     def select(

@@ -4,8 +4,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable
+from typing import TYPE_CHECKING, Any
 
 from kirigami.errors import ModelError
+
+if TYPE_CHECKING:
+    from weakref import ReferenceType
 
 
 class Node:
@@ -30,7 +34,7 @@ class Node:
     Node(1, 2, 0, name='apex')
     """
 
-    __slots__ = ("_position", "name")
+    __slots__ = ("_owner", "_position", "name")
     base: Node | None = None  # the node whose normal this one is the tip of (see kirigami.geometry.normals)
 
     def __init__(self, x: float, y: float, z: float = 0.0, *, name: str | None = None) -> None:
@@ -42,6 +46,17 @@ class Node:
             raise ModelError(f"Node: coordinates must be finite, got {position}")
         self._position = position
         self.name = name
+        self._owner: ReferenceType[Any] | None = None
+
+    def __getstate__(self) -> tuple[dict[str, Any] | None, dict[str, Any]]:
+        """A copy of a node belongs to no model yet."""
+        slots = [name for cls in type(self).__mro__ for name in getattr(cls, "__slots__", ())]
+        return getattr(self, "__dict__", None), {name: getattr(self, name) for name in slots} | {"_owner": None}
+
+    @property
+    def model(self) -> Any:
+        """The :class:`kirigami.Model` the node was added to, or None."""
+        return None if self._owner is None else self._owner()
 
     # Coordinates are read-only so that a model always knows when its rest state changed: move nodes by Model.perturb.
     @property
@@ -63,6 +78,7 @@ class Node:
         label = f", name={self.name!r}" if self.name else ""
         x, y, z = self._position
         return f"Node({x:.6g}, {y:.6g}, {z:.6g}{label})"
+
 
 AXES = "xyz"
 

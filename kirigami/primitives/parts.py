@@ -15,6 +15,8 @@ from kirigami.primitives.rows import EdgeRows
 
 NO_NORMALS = np.empty(0, np.int64), np.empty(0, np.int64)
 
+KINDS = ("element", "constraint", "load", "effect")
+
 
 class ModelObject:
     """Base of everything a model holds beside its nodes. ``kind`` says on which list it goes.
@@ -56,6 +58,10 @@ class ModelObject:
     def nodes(self) -> tuple[Node, ...]:
         """Every node the object touches."""
         raise NotImplementedError
+
+    def held(self, lam: float) -> ModelObject:
+        """The object as it goes on in a next stage: what acts with the load factor stays as it is at `lam`."""
+        return self
 
     @classmethod
     def reserve(cls, objects: Sequence[Any], numbering: Numbering) -> None:

@@ -36,6 +36,8 @@ class Step:
         What history-dependent kernels need to go on from here.
     stage : int
         How often :meth:`Model.hold` had been called.
+    stage_key : str
+        Which model and stage it was, as :attr:`Model.stage_key` says; empty for steps that were read from a file.
 
     Examples
     --------
@@ -57,6 +59,7 @@ class Step:
     history: tuple[Array | None, ...] = ()
     stage: int = 0
     inner: Array = field(default_factory=lambda: np.zeros((0, 3)))
+    stage_key: str = ""
 
     @property
     def stable(self) -> bool:
@@ -89,7 +92,7 @@ class Step:
             raise ModelError("Step.at: lam and u must be finite")
         full = np.zeros((n, 3))
         full[:, : given.shape[1]] = given
-        return cls(lam=float(lam), u=full, stage=model.stage)
+        return cls(lam=float(lam), u=full, stage=model.stage, stage_key=model.stage_key)
 
     def __repr__(self) -> str:
         state = {None: "stability not counted", 0: "stable"}.get(self.negative, f"{self.negative} negative eigenvalues")

@@ -142,7 +142,7 @@ def test_wrong_facets_say_what_is_wrong() -> None:
     with pytest.raises(kg.ModelError, match="without area"):
         kg.System(model)
     twice = kg.Model()
-    twice.add(a, kg.Node(0, 0), c)
+    twice.add(kg.Node(0, 0), kg.Node(0, 0), kg.Node(2, 0))
     twice.add(kg.Facet(*twice.nodes, 0.1, steel))
     with pytest.raises(kg.ModelError, match="without area"):
         kg.System(twice)
