@@ -31,6 +31,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from kirigami.errors import ModelError
+from kirigami.moved import forward
 from kirigami.primitives.checks import require_finite, require_positive
 from kirigami.primitives.kernel import EXACT, Array, Contribution, Kernel, Tangent
 from kirigami.primitives.node import Node, listed
@@ -369,3 +370,6 @@ class ContactKernel(Kernel):
         turning = (1 - tangent.convexity) * force * inverse
         hessian = stiffness[:, None, None] * outer - turning[:, None, None] * (self.projector - outer)
         return Contribution(energy, gradient[:, None], hessian[:, None, None])
+
+
+__getattr__ = forward("effects.contact", ("results.contact",))  # gaps, normal_forces and penetration stood here in 0.1

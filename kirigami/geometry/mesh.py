@@ -157,6 +157,28 @@ class TriMesh:
         return _read_only(np.linalg.norm(area_vectors(self.nodes, self.triangles), axis=1))
 
     @cached_property
+    def nodal_areas(self) -> Floats:
+        """Area of the sheet that belongs to each node, a third of the facets around it, shape (n,)."""
+        share = np.repeat(self.facet_areas / 3.0, 3)
+        return _read_only(np.bincount(self.triangles.ravel(), share, len(self.nodes)))
+
+    def nodal_mean(self, values: ArrayLike) -> Floats:
+        """Means over the facets around each node (n, ...) of values at facets (m, ...), weighted with area.
+
+        Examples
+        --------
+        >>> mesh = TriMesh([(0, 0), (1, 0), (1, 1), (0, 1)], [(0, 1, 2), (0, 2, 3)])
+        >>> mesh.nodal_mean([1.0, 3.0]).tolist()
+        [2.0, 1.0, 2.0, 3.0]
+        """
+        given = np.asarray(values, dtype=float)
+        per_facet = given.reshape(len(self.triangles), -1)
+        total = np.zeros((len(self.nodes), per_facet.shape[1]))
+        for corner in self.triangles.T:
+            np.add.at(total, corner, per_facet * (self.facet_areas / 3.0)[:, None])
+        return np.asarray((total / self.nodal_areas[:, None]).reshape(len(self.nodes), *given.shape[1:]))
+
+    @cached_property
     def facet_min_angles(self) -> Floats:
         """Smallest angle of each facet in degrees, shape (m,)."""
         vectors = sides(self.nodes, self.triangles)

@@ -13,7 +13,6 @@ import numpy as np
 
 from kirigami.errors import AnalysisError
 from kirigami.files import library, whole_file
-from kirigami.model.constraints import Prescribe
 from kirigami.primitives.kernel import Array
 from kirigami.primitives.node import AXES, Node
 from kirigami.results.results import Results
@@ -29,8 +28,8 @@ def curves(results: Results, reactions: Mapping[str, Nodes] | None = None) -> di
     results : Results
         The results.
     reactions : mapping of str to nodes, optional
-        Supports whose reaction is wanted, by the name to give it. None takes the driven supports of the model
-        (``Prescribe``), named ``driven_0`` and on, along the axes they drive; results read from a file have none.
+        Supports whose reaction is wanted, by the name to give it. None takes those that were driven in the run
+        (``Prescribe``), named ``driven_0`` and on, along the axes they drive.
 
     Returns
     -------
@@ -63,15 +62,12 @@ def curves(results: Results, reactions: Mapping[str, Nodes] | None = None) -> di
         "residual": results.residual,
     }
     if results.dim == 3:
-        found["height"] = np.ptp(results.position()[:, :, 2], axis=1)
+        found["height"] = results.height()
     found |= {f"energy_{kind}": values for kind, values in results.energy.items()}
     if reactions is not None:
         wanted = [(name, nodes, AXES[: results.dim]) for name, nodes in reactions.items()]
     else:
-        wanted = []
-        if results.model is not None:
-            driven = [item for item in results.model.constraints if isinstance(item, Prescribe) and not item.constant]
-            wanted = [(f"driven_{k}", item.group, "".join(item.values)) for k, item in enumerate(driven)]
+        wanted = [(support.name, support.nodes, support.dofs) for support in results.supports if support.driven]
     for name, nodes, axes in wanted:
         found |= {f"reaction_{name}_{axis}": results.reaction(nodes, axis) for axis in axes}
     if results.mesh is not None and results.mesh.cuts:

@@ -47,8 +47,7 @@ def sheet_parts(
         from kirigami.elements.shell_facet import ShellFacet
 
         corners = mesh.triangles.tolist()
-        facets = [ShellFacet(nodes[i], nodes[j], nodes[k], thickness, material) for i, j, k in corners]
-        return nodes, facets, constants
+        return nodes, [ShellFacet(nodes[i], nodes[j], nodes[k], thickness, material) for i, j, k in corners], constants
     if rung == "facet":
         return nodes, _facets(nodes, mesh, thickness, material), constants
     if rung == "split":

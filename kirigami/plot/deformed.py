@@ -9,6 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from kirigami.errors import ModelError
 from kirigami.plot import style
+from kirigami.results.fields import energy_density
 
 if TYPE_CHECKING:
     from kirigami.geometry.mesh import TriMesh
@@ -153,22 +154,13 @@ def frame(ax: Any, points: Floats, looking: style.View) -> None:
         style.frame_solid(ax, points, looking)
 
 
-def bars_of(results: Results) -> Integers:
-    """Node pairs (bars, 2) in the order the bars were added."""
-    found = [kernel for kernel in results.kernels if kernel.name == "bars"]
-    conn = np.zeros((sum(len(kernel.conn) for kernel in found), 2), dtype=np.int64)
-    for kernel in found:
-        conn[slice(None) if kernel.members is None else kernel.members] = kernel.conn
-    return conn
-
-
 class Field:
     """What colour stands for: values per facet of a sheet, or per bar of another structure."""
 
     def __init__(self, results: Results, color: str | ArrayLike | None) -> None:
         self.results = results
         mesh = results.mesh
-        self.cells: Integers = bars_of(results) if mesh is None else mesh.triangles
+        self.cells: Integers = results.bars if mesh is None else mesh.triangles
         given: Any = color
         if color is None:
             given = "force" if mesh is None else "height" if results.dim == 3 else "displacement"
@@ -200,7 +192,7 @@ class Field:
         if self.key == "strain":
             return np.asarray(results.bar_strain[number])
         if self.key == "energy":
-            return self._per_cell(self._nodal_energy(number))
+            return self._per_cell(energy_density(self.results, number))
         u = results[number].u
         return self._per_cell(results.rest[:, 2] + u[:, 2] if self.key == "height" else np.linalg.norm(u, axis=1))
 
@@ -215,21 +207,6 @@ class Field:
                 f"{len(self.cells)} {cell}, got shape {values.shape}"
             )
         return values
-
-    def _nodal_energy(self, number: int) -> Floats:
-        """Elastic energy at each node (n,), over its share of the sheet's area where there is a sheet."""
-        results = self.results
-        total = np.zeros(len(results.rest))
-        step = results[number]
-        for kernel in results.kernels:
-            if kernel.stores_energy:  # loads have no stiffness and store nothing
-                energy = results.evaluate_at(kernel, step, lambda x: kernel.evaluate(x, step.lam, 0)).energy  # noqa: B023
-                np.add.at(total, kernel.conn, energy[:, None] / kernel.conn.shape[1])
-        if results.mesh is not None:
-            share = np.zeros(len(total))
-            np.add.at(share, results.mesh.triangles, results.mesh.facet_areas[:, None] / 3)
-            total = total / share
-        return total
 
 
 class Picture:

@@ -80,7 +80,7 @@ def curvature(positions: ArrayLike, mesh: TriMesh, kind: str = "mean", per: str 
         raise ModelError("curvature: the drawing must be flat and level, but the nodes of the mesh differ in z")
     components = _Fit(mesh).components(points)
     if per == "node":
-        components = _nodal(components, mesh)
+        components = np.moveaxis(mesh.nodal_mean(np.moveaxis(components, -2, 0)), 0, -2)
     kxx, kyy, kxy = np.moveaxis(components, -1, 0)
     mean: Floats = 0.5 * (kxx + kyy)
     if kind == "mean":
@@ -153,16 +153,3 @@ def _angles(corners: Floats) -> Floats:
     m, n = np.cross(edge, first), np.cross(second, edge)
     angle: Floats = np.arctan2(np.linalg.norm(edge, axis=1) * (m * second).sum(axis=1), (m * n).sum(axis=1))
     return angle
-
-
-def _nodal(facets: Floats, mesh: TriMesh) -> Floats:
-    """Means (..., nodes, 3) of values at facets (..., facets, 3), weighted with area."""
-    area = np.repeat(mesh.facet_areas, 3)
-    nodes = mesh.triangles.ravel()
-    share = np.bincount(nodes, weights=area)
-    steps = facets.reshape(-1, *facets.shape[-2:])
-    means = np.empty((len(steps), len(share), 3))
-    for row, step in zip(means, steps):
-        for component in range(3):
-            row[:, component] = np.bincount(nodes, weights=area * np.repeat(step[:, component], 3)) / share
-    return means.reshape(*facets.shape[:-2], *means.shape[1:])

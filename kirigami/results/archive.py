@@ -7,14 +7,18 @@ import json
 import os
 import zipfile
 import zlib
+from dataclasses import astuple
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from kirigami.elements.stiffness import Calibration, SheetConstants
 from kirigami.errors import AnalysisError
+from kirigami.primitives.material import Material
 from kirigami.results.results import Results
 from kirigami.results.step import Event, Step
+from kirigami.results.supports import Support
 
 FORMAT = 3  # version of the results file; formats 1 and 2 are read as well
 
@@ -79,11 +83,20 @@ def pack(results: Results, with_kernels: bool = True) -> dict[str, Any]:
         ],
         "events": [[e.kind, e.lam, e.step, e.message, list(e.bracket), e.located is not None] for e in results.events],
         "mesh": None,
+        "node_names": results.node_names,
+        "supports": [[s.name, s.kind, s.dofs, s.constant, s.clamp] for s in results.supports],
+        "sheet": _sheet_words(results.sheet_constants),
     }
+    for position, support in enumerate(results.supports):
+        arrays[f"support{position}.nodes"], arrays[f"support{position}.leaders"] = support.nodes, support.leaders
+        for axis, values in support.values.items():
+            arrays[f"support{position}.{axis}"] = values
     if results.mesh is not None:
         head["mesh"] = {
             "sets": list(results.mesh.sets),
             "cuts": [[list(cut.members), bool(cut.open)] for cut in results.mesh.cuts],
+            "thickness": results.mesh.thickness,
+            "material": None if results.mesh.material is None else astuple(results.mesh.material),
         }
         arrays["mesh.nodes"], arrays["mesh.triangles"] = results.mesh.nodes, results.mesh.triangles
         for position, nodes in enumerate(results.mesh.sets.values()):
@@ -135,7 +148,9 @@ def load(path: str | os.PathLike[str]) -> Results:
     Returns
     -------
     Results
-        As saved; nodes are addressed by index, since the model itself is not stored.
+        As saved, with mesh, thickness, material and supports. The model itself is not stored: give nodes by index, or
+        by the name of a support ("driven_0") or of a boundary of the mesh ("top"). Files of versions before 0.2 know
+        neither supports nor thickness and material.
 
     Raises
     ------
@@ -152,8 +167,8 @@ def load(path: str | os.PathLike[str]) -> Results:
     >>> objects = m.add(kg.Bar(a, b, EA=10.0), kg.Fix(a), kg.Fix(b, "y"), kg.NodalLoad(b, (1, 0)))
     >>> with tempfile.TemporaryDirectory() as folder:
     ...     res = kg.load(kg.LinearStatic(m).run().save(Path(folder) / "rod.npz"))
-    >>> float(round(res.position(1)[-1, 0], 9))
-    1.1
+    >>> float(round(res.position(1)[-1, 0], 9)), float(round(res.reaction("fixed_0", "x")[-1], 9))
+    (1.1, -1.0)
     """
     head, data = read(path)
     if head["kernels"] is None:
@@ -164,11 +179,40 @@ def load(path: str | os.PathLike[str]) -> Results:
         raise AnalysisError(f"{path} is damaged or incomplete ({error!r})") from None
 
 
+def _sheet_words(sheet: SheetConstants | None) -> dict[str, Any] | None:
+    if sheet is None:
+        return None
+    return {
+        "factors": astuple(sheet.calibration), "thickness": sheet.thickness, "material": astuple(sheet.material),
+        "rung": sheet.rung,
+    }  # fmt: skip
+
+
+def _sheet(words: dict[str, Any] | None) -> SheetConstants | None:
+    if words is None:
+        return None
+    return SheetConstants(
+        Calibration(*words["factors"]), words["thickness"], Material(*words["material"]), words["rung"]
+    )
+
+
+def _supports(head: dict[str, Any], data: dict[str, Any]) -> tuple[Support, ...]:
+    found = []
+    for position, (name, kind, dofs, constant, clamp) in enumerate(head.get("supports", [])):
+        at = f"support{position}."
+        values = {axis: data[at + axis] for axis in dofs}
+        found.append(Support(name, kind, data[at + "nodes"], values, data[at + "leaders"], constant, clamp))
+    return tuple(found)
+
+
 def _rebuild(head: dict[str, Any], data: dict[str, Any]) -> Results:
     results = Results.__new__(Results)
-    results.model = None
+    results.forget_model()
     results.name, results.dim, results.linear = head["name"], head["dim"], head["linear"]
     results.rest, results.constrained, results.stats = data["rest"], data["constrained"], head["stats"]
+    results.node_names = head.get("node_names", {})
+    results.supports = _supports(head, data)
+    results.sheet_constants = _sheet(head.get("sheet"))
     results.mesh = None
     results.kernels = []
     results.inner_rest = data.get("inner_rest", np.zeros((0, results.dim)))
@@ -191,7 +235,11 @@ def _rebuild(head: dict[str, Any], data: dict[str, Any]) -> Results:
             CutLoop(data[f"mesh.cut{position}"], tuple(members), is_open)
             for position, (members, is_open) in enumerate(head["mesh"]["cuts"])
         ]
-        results.mesh = TriMesh(data["mesh.nodes"], data["mesh.triangles"], sets, cuts=cuts)
+        thickness, material = (head["mesh"].get(name) for name in ("thickness", "material"))
+        results.mesh = TriMesh(
+            data["mesh.nodes"], data["mesh.triangles"], sets,
+            thickness=thickness, material=material and Material(*material), cuts=cuts,
+        )  # fmt: skip
     return results
 
 

@@ -5,9 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from kirigami.errors import AnalysisError
-from kirigami.primitives.kernel import Array, Kernel, hessian_product
+from kirigami.primitives.kernel import Array
 from kirigami.results.results import Results
-from kirigami.results.step import Step
 
 
 def facet_strain(results: Results) -> Array:
@@ -63,17 +62,19 @@ def facet_strain(results: Results) -> Array:
     return values
 
 
-def nodal_energy(results: Results) -> Array:
+def nodal_energy(results: Results, step: int | None = None) -> Array:
     """Stored energy at each node: every element gives equal shares to its nodes.
 
     Parameters
     ----------
     results : Results
         Of any model.
+    step : int, optional
+        Number of one stored step; None takes all of them.
 
     Returns
     -------
-    ndarray, shape (s, n)
+    ndarray, shape (s, n), or (n,) for one step
         Energy [force length]; the sum over the nodes is the energy stored in the structure.
 
     Examples
@@ -85,33 +86,41 @@ def nodal_energy(results: Results) -> Array:
     >>> nodal_energy(kg.LinearStatic(m).run()).round(12).tolist()
     [[0.0, 0.0], [0.05, 0.05]]
     """
-    total = np.zeros((len(results), len(results.rest)))
+    chosen = results.steps if step is None else [results.steps[step]]
+    total = np.zeros((len(chosen), len(results.rest)))
+    point = np.arange(len(results.rest))
     for kernel in results.kernels:
-        if not kernel.stores_energy or not len(kernel.conn):  # loads store nothing
+        if kernel.normals is not None:
+            base, tip = kernel.normals
+            point[tip] = base
+    for kernel in results.kernels:
+        if not kernel.stores_energy or not len(kernel.conn):
             continue
-        nodes = kernel.conn[:, (kernel.conn < len(results.rest)).all(axis=0)]
-        for row, step in zip(total, results.steps):
-            np.add.at(row, nodes, _element_energy(results, kernel, step)[:, None] / nodes.shape[1])
-    return total
+        nodes = point[kernel.conn[:, (kernel.conn < len(point)).all(axis=0)]]  # rows behind the nodes have no place
+        for row, one in zip(total, chosen):
+            np.add.at(row, nodes, results.member_energy(kernel, one)[:, None] / nodes.shape[1])
+    return total if step is None else total[0]
 
 
-def energy_density(results: Results) -> Array:
-    """Stored energy per area of the sheet at each node, shape (s, n) [force / length]; per node without a mesh."""
-    energy = nodal_energy(results)
+def energy_density(results: Results, step: int | None = None) -> Array:
+    """Stored energy per area of the sheet at each node; of a model without a mesh, per node.
+
+    Parameters
+    ----------
+    results : Results
+        Of any model.
+    step : int, optional
+        Number of one stored step; None takes all of them.
+
+    Returns
+    -------
+    ndarray, shape (s, n), or (n,) for one step
+        Energy per area at rest [force / length], zero at nodes that are not on the sheet. The sum over the nodes, each
+        with the third of the area of its facets, is the energy stored at the nodes of the sheet.
+    """
+    energy = nodal_energy(results, step)
     if results.mesh is None:
         return energy
     area = np.zeros(len(results.rest))
-    np.add.at(area, results.mesh.triangles, results.mesh.facet_areas[:, None] / 3.0)
-    return energy / area
-
-
-def _element_energy(results: Results, kernel: Kernel, step: Step) -> Array:
-    if not results.linear:
-        energy: Array = results.evaluate_at(kernel, step, lambda x: kernel.evaluate(x, step.lam, 0)).energy
-        return energy
-    start = kernel.evaluate(results.configuration(), step.lam, 2)
-    assert start.gradient is not None
-    u = results.rows(step)[kernel.conn]
-    first = np.einsum("nka,nka->n", start.gradient, u)
-    second = 0.5 * (u * hessian_product(kernel, start, u)).sum(axis=(1, 2))
-    return np.asarray(start.energy + first + second)
+    area[: len(results.mesh.nodes)] = results.mesh.nodal_areas
+    return np.divide(energy, area, out=np.zeros_like(energy), where=area > 0)

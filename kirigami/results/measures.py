@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 def height(results: Results) -> Array:
     """Largest minus smallest z of all nodes (s,) [length]; see :func:`kirigami.post.shape.height`."""
-    return shape.height(results.position())
+    return shape.height(results.position()[:, results.without_tips])
 
 
 def width(results: Results, axis: str = "y", band: float = 0.5) -> Array:

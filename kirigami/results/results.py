@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
@@ -11,18 +10,16 @@ from numpy.typing import NDArray
 
 from kirigami.deferred import deferred
 from kirigami.errors import AnalysisError, ModelError
-from kirigami.model.model import Model
-from kirigami.primitives.kernel import Array, Configuration, Kernel
+from kirigami.primitives.kernel import Array, Configuration, Kernel, hessian_product
 from kirigami.primitives.node import AXES, Node
+from kirigami.results.record import ModelRecord, Nodes
 from kirigami.results.step import Event, Step
 
 if TYPE_CHECKING:
-
-    from kirigami.geometry.mesh import TriMesh
     from kirigami.system.system import System
 
 
-class Results:
+class Results(ModelRecord):
     """Everything an analysis found, step by step.
 
     Step 0 is the state at load factor 0, in equilibrium with constant loads (or the step the analysis started from).
@@ -34,6 +31,8 @@ class Results:
         The stored equilibria.
     events : list of Event
         What was met on the way.
+    supports : tuple of Support
+        What was held, driven and tied, by name; see :class:`kirigami.results.supports.Support`.
     stats : dict
         "iterations", "factorizations", "steps", "cutbacks", "relaxations", "backend", and "seconds" per part.
 
@@ -55,13 +54,9 @@ class Results:
             "iterations": 0, "factorizations": 0, "steps": 0, "cutbacks": 0, "relaxations": 0,
             "backend": "", "seconds": {},
         }  # fmt: skip
-        self.model: Model | None = system.model
-        self.name = system.model.name
-        self.dim: int = system.dim
-        self.rest = system.model.positions()
+        super().__init__(system.model)
         self.inner_rest = system.rest[system.points :]  # what the rows behind the nodes hold at rest, (h, dim)
         self.kernels = system.kernels
-        self.mesh: TriMesh | None = system.model.mesh
         self.constrained = system.constrained
         self.linear = linear
 
@@ -76,7 +71,7 @@ class Results:
     def append(self, step: Step) -> None:
         """Store one more step; derived quantities are computed anew when asked for."""
         self.steps.append(step)
-        for name in ("lam", "u", "_row_gradients", "energy", "bar_strain", "hinge_angle", "spring_angle"):
+        for name in ("lam", "u", "_row_gradients", "energy", "_told"):
             self.__dict__.pop(name, None)
 
     @cached_property
@@ -99,27 +94,20 @@ class Results:
         """Relative residual of each step (s,)."""
         return np.array([step.residual for step in self.steps])
 
-    def node_index(self, nodes: Node | int | Iterable[Node | int]) -> NDArray[np.int64]:
-        """Indices of nodes given as objects of the model or as integers."""
-        listed: Sequence[Any] = [nodes] if isinstance(nodes, (Node, int, np.integer)) else list(nodes)
-        if not len(listed):
-            raise ModelError("the node selection is empty")
-        if isinstance(listed[0], Node):
-            if self.model is None:
-                raise ModelError("these results were loaded from a file: give node indices instead of Node objects")
-            return self.model.index(listed)
-        index = np.asarray(listed)
-        if index.dtype.kind not in "iu" or index.min() < -len(self.rest) or index.max() >= len(self.rest):
-            raise ModelError(f"node indices must be integers below {len(self.rest)}, got {nodes!r}")
-        return index
-
-    def position(self, nodes: Node | int | Iterable[Node | int] | None = None) -> Array:
-        """Positions (s, 3) of one node, (s, k, 3) of many, (s, n, 3) of all [length]."""
+    def position(self, nodes: Nodes | None = None) -> Array:
+        """Positions (s, 3) of one node, (s, k, 3) of many, (s, n, 3) of all [length]; nodes as for `node_index`."""
         if nodes is None:
             return self.rest + self.u
         index = self.node_index(nodes)
         moved = self.rest[index] + self.u[:, index]
-        return moved[:, 0] if isinstance(nodes, (Node, int, np.integer)) else moved
+        single = isinstance(nodes, (Node, int, np.integer)) or (isinstance(nodes, str) and nodes in self.node_names)
+        return moved[:, 0] if single else moved
+
+    @cached_property
+    def without_tips(self) -> NDArray[np.int64]:
+        """Indices of the nodes that are points of the structure: all but the tips of normals."""
+        tips = [kernel.normals[1] for kernel in self.kernels if kernel.normals is not None]
+        return np.setdiff1d(np.arange(len(self.rest)), np.concatenate([np.empty(0, np.int64), *tips]))
 
     # ---- forces and energies
 
@@ -172,8 +160,6 @@ class Results:
         for target, step in zip(total, self.steps):
             for kernel in self.kernels:
                 if self.linear:
-                    from kirigami.primitives.kernel import hessian_product
-
                     at_start = kernel.evaluate(at_rest, step.lam, 2)
                     gradient = at_start.gradient
                     assert gradient is not None
@@ -187,13 +173,13 @@ class Results:
                 np.add.at(target, base, target[tip])
         return total
 
-    def reaction(self, nodes: Node | int | Iterable[Node | int], axis: str | None = None) -> Array:
+    def reaction(self, nodes: Nodes, axis: str | None = None) -> Array:
         """Force of the support on the structure, summed over nodes.
 
         Parameters
         ----------
-        nodes : Node, int, or sequence of them
-            The supported nodes.
+        nodes : Node, int, str, or sequence of Node or int
+            The supported nodes, as for :meth:`node_index`: also "driven_0", or "top".
         axis : {"x", "y", "z"}, optional
             One component; None gives all three.
 
@@ -205,7 +191,7 @@ class Results:
         Raises
         ------
         ModelError
-            Empty selection, nodes that are not in the model, or an unknown axis.
+            Empty selection, nodes that were not in the model of the run, or an unknown axis.
         """
         total: Array = self._gradients[:, self.node_index(nodes)].sum(axis=1)
         if axis is None:
@@ -220,48 +206,57 @@ class Results:
         """Stored energy [force length] by kind of kernel, each (s,): "bars", "hinges", "springs", ..."""
         totals: dict[str, Array] = {}
         for kernel in self.kernels:
-            if not kernel.stores_energy:
-                continue
-            if self.linear:
-                values = [self._linear_energy(kernel, step) for step in self.steps]
-            else:
-                values = [
-                    float(self.evaluate_at(kernel, step, lambda x: kernel.evaluate(x, step.lam, 0)).energy.sum())  # noqa: B023
-                    for step in self.steps
-                ]
-            totals[kernel.name] = totals.get(kernel.name, np.zeros(len(self.steps))) + np.array(values)
+            if kernel.stores_energy:
+                values = np.array([self.member_energy(kernel, step).sum() for step in self.steps])
+                totals[kernel.name] = totals.get(kernel.name, np.zeros(len(self.steps))) + values
         return totals
 
-    def _linear_energy(self, kernel: Kernel, step: Step) -> float:
-        from kirigami.primitives.kernel import hessian_product
-
+    def member_energy(self, kernel: Kernel, step: Step) -> Array:
+        """Energy (members,) of one of the kernels at a step [force length]; of a linear analysis to second order."""
+        if not self.linear:
+            found: Array = self.evaluate_at(kernel, step, lambda x: kernel.evaluate(x, step.lam, 0)).energy
+            return found
         start = kernel.evaluate(self.configuration(), step.lam, 2)
         assert start.gradient is not None
         u = self.rows(step)[kernel.conn]
-        second = 0.5 * (u * hessian_product(kernel, start, u)).sum()
-        return float(start.energy.sum() + (start.gradient * u).sum() + second)
+        rate = start.gradient + 0.5 * hessian_product(kernel, start, u)
+        return np.asarray(start.energy + (rate * u).sum(axis=(1, 2)))
 
-    def _members(self, name: str, quantity: str) -> Array:
+    def _members(self, name: str, quantity: str, of: Any = None) -> Array:
+        """A quantity of the members of the kernels of one name, in the order their objects were added."""
         kernels = [kernel for kernel in self.kernels if kernel.name == name]
-        count = sum(len(kernel.conn) for kernel in kernels)
-        values: Array | None = None
-        for kernel in kernels:
-            at: Any = slice(None) if kernel.members is None else kernel.members
-            for number, step in enumerate(self.steps):
-                row = self._deformation(kernel, step)
-                row = kernel.force(row) if quantity == "force" else row
-                if values is None:
-                    values = np.zeros((len(self.steps), count, *row.shape[1:]))
-                values[number, at] = row
-        return np.zeros((len(self.steps), count)) if values is None else values
+        place = np.concatenate(
+            [np.arange(len(k.conn)) if k.members is None else np.asarray(k.members) for k in kernels]
+        )
+        order = np.argsort(place, kind="stable")  # an object may have several members, as a contact has
+        if (name, quantity) not in self._told:
+            self._told[name, quantity] = self._tell(kernels, quantity, order)
+        values = self._told[name, quantity]
+        return values if of is None else values[:, place[order] == self.object_number(of, int(place.max()) + 1)]
 
-    def deformation(self, name: str) -> Array:
+    @cached_property
+    def _told(self) -> dict[tuple[str, str], Array]:
+        return {}
+
+    def _tell(self, kernels: list[Kernel], quantity: str, order: NDArray[np.int64]) -> Array:
+        rows = []
+        for step in self.steps:
+            parts = []
+            for kernel in kernels:
+                felt = self._deformation(kernel, step)
+                parts.append(kernel.force(felt) if quantity == "force" else felt)
+            rows.append(np.concatenate(parts)[order])
+        return np.array(rows) if rows else np.zeros((0, len(order)))
+
+    def deformation(self, name: str, of: Any = None) -> Array:
         """What the members of a kind of kernel feel at each step.
 
         Parameters
         ----------
         name : str
             Name of the kernels: "bars", "hinges", "springs", "facets", "contact" and so on, or that of your own effect.
+        of : object or int, optional
+            One object of the model, or its number among those of its kind; None takes all.
 
         Returns
         -------
@@ -272,7 +267,7 @@ class Results:
         Raises
         ------
         ModelError
-            The model has no such kernel, or the kernel does not tell.
+            The model had no such kernel or object, or the kernel does not tell.
 
         Examples
         --------
@@ -283,58 +278,73 @@ class Results:
         >>> kg.LinearStatic(m).run().deformation("bars")[-1].round(9).tolist()
         [0.1]
         """
-        return self._members(self._known_kernel(name), "deformation")
+        return self._members(self._known_kernel(name), "deformation", of)
 
-    def force(self, name: str) -> Array:
+    def force(self, name: str, of: Any = None) -> Array:
         """What the members of a kind of kernel answer at each step, (s, members, ...): force or moment.
 
         Parameters
         ----------
-        name : str
+        name, of
             As for :meth:`deformation`.
 
         Raises
         ------
         ModelError
-            The model has no such kernel, or the kernel does not tell.
+            The model had no such kernel or object, or the kernel does not tell.
         """
-        return self._members(self._known_kernel(name), "force")
+        return self._members(self._known_kernel(name), "force", of)
 
     def _known_kernel(self, name: str) -> str:
-        known = sorted({kernel.name for kernel in self.kernels})
-        if name not in known:
-            raise ModelError(f"the model has no {name!r}; it has {', '.join(map(repr, known))}")
+        kinds = {kernel.name for kernel in self.kernels}
+        if name not in kinds:
+            tells = sorted({k.name for k in self.kernels if type(k).deformation is not Kernel.deformation})
+            sheet = "; stress() and energy serve every sheet" if self.mesh is not None else ""
+            raise ModelError(
+                f"the model has no {name!r}, but {', '.join(map(repr, sorted(kinds)))}: deformation() and force() tell "
+                f"of {', '.join(map(repr, tells)) or 'none'}{sheet}"
+            )
         return name
 
-    @cached_property
+    # Every rung has its own elements: what the model does not have is not an array of no columns, but an error.
+    @property
     def bar_strain(self) -> Array:
         """Strain (s, bars) in the measure of each bar, in the order the bars were added."""
-        return self._members("bars", "deformation")
+        return self.deformation("bars")
 
     @property
     def bar_force(self) -> Array:
         """Axial force (s, bars) [force], positive in tension."""
-        return self._members("bars", "force")
+        return self.force("bars")
 
-    @cached_property
+    @property
     def hinge_angle(self) -> Array:
         """Unwrapped angle (s, hinges) [rad]; 0 is flat."""
-        return self._members("hinges", "deformation")
+        return self.deformation("hinges")
 
     @property
     def hinge_moment(self) -> Array:
         """Moment (s, hinges) [force length]."""
-        return self._members("hinges", "force")
+        return self.force("hinges")
 
-    @cached_property
+    @property
     def spring_angle(self) -> Array:
         """Unwrapped angle (s, springs) [rad] of the three-node springs."""
-        return self._members("springs", "deformation")
+        return self.deformation("springs")
 
     @property
     def spring_moment(self) -> Array:
         """Moment (s, springs) [force length] of the three-node springs."""
-        return self._members("springs", "force")
+        return self.force("springs")
+
+    @property
+    def bars(self) -> NDArray[np.int64]:
+        """Node indices (bars, 2) in the order the bars were added; none where the model has no bars."""
+        kernels = [kernel for kernel in self.kernels if kernel.name == "bars"]
+        conn = np.zeros((sum(len(kernel.conn) for kernel in kernels), 2), dtype=np.int64)
+        for kernel in kernels:
+            conn[slice(None) if kernel.members is None else kernel.members] = kernel.conn
+        return conn
 
     # ---- shape
 

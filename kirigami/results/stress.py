@@ -188,12 +188,8 @@ def sheet_stress(
         raise AnalysisError("stress needs a model made by Model.from_mesh", results=results)
     if np.ptp(mesh.nodes[:, 2]) > FLAT * mesh.size:
         raise ModelError("stress: the drawing must be flat and level, but the nodes of the mesh differ in z")
-    constants = None if results.model is None else results.model.sheet_constants
-    if constants is not None:
-        thickness = constants.thickness if thickness is None else thickness
-        material = constants.material if material is None else material
-    thickness = mesh.thickness if thickness is None else thickness
-    material = mesh.material if material is None else material
+    thickness = results.thickness if thickness is None else thickness
+    material = results.material if material is None else material
     if thickness is None or material is None:
         raise ModelError(f"stress: the {'thickness' if thickness is None else 'material'} is unknown: give it")
     count = len(results)

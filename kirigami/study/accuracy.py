@@ -258,9 +258,8 @@ def quantities(results: Results, nodes: Sequence[Node], axis: str) -> dict[str, 
     mesh = results.mesh
     if mesh is None:
         raise ModelError("a study of accuracy needs models made by Model.from_mesh")
-    z = results.position()[:, : len(mesh.nodes), 2]
     area = results.open_area(union=True) if mesh.cuts else np.full(len(results), np.nan)
-    return {"force": results.reaction(nodes, axis), "open_area": area, "height": z.max(axis=1) - z.min(axis=1)}
+    return {"force": results.reaction(nodes, axis), "open_area": area, "height": results.height()}
 
 
 def read_reference(

@@ -130,7 +130,7 @@ class ErrorEstimate:
         area = mesh.facet_areas
         now = np.sqrt(area / EQUILATERAL)
         # errors of single facets are noisy: take the mean over the facets around each node, and then of its nodes
-        smooth = _interpolated(_nodal(self.facets[:, None], mesh), mesh)[:, :, 0].mean(axis=1)
+        smooth = _interpolated(mesh.nodal_mean(self.facets[:, None]), mesh)[:, :, 0].mean(axis=1)
         smooth = np.maximum(smooth, 1e-12 * smooth.max())
         shape = now * smooth ** (-0.5 / (order + 1))
         centres = mesh.nodes[mesh.triangles, :2].mean(axis=1)
@@ -222,22 +222,12 @@ def _jumps(stress: SheetStress, mesh: TriMesh) -> tuple[Floats, Floats]:
     found = []
     for tensor, rigidity in ((stress.strain, stretching), (stress.curvature, bending)):
         flat = np.stack([tensor[:, 0, 0], tensor[:, 1, 1], tensor[:, 0, 1]], axis=1)
-        corners = _interpolated(_nodal(flat, mesh), mesh)
+        corners = _interpolated(mesh.nodal_mean(flat), mesh)
         middles = 0.5 * (corners + corners[:, [1, 2, 0]]) - flat[:, None]  # exact quadrature of a square
         xx, yy, xy = np.moveaxis(middles, -1, 0)
         density = 0.5 * rigidity * (xx**2 + yy**2 + 2 * nu * xx * yy + 2 * (1 - nu) * xy**2)
         found.append(mesh.facet_areas * density.mean(axis=1))
     return found[0], found[1]
-
-
-def _nodal(values: Floats, mesh: TriMesh) -> Floats:
-    """Means (n, k) of values (m, k) of the facets around each node, weighted with their areas."""
-    total = np.zeros((len(mesh.nodes), values.shape[1]))
-    share = np.zeros(len(mesh.nodes))
-    for corner in mesh.triangles.T:
-        np.add.at(total, corner, mesh.facet_areas[:, None] * values)
-        np.add.at(share, corner, mesh.facet_areas)
-    return np.asarray(total / share[:, None])
 
 
 def _interpolated(nodal: Floats, mesh: TriMesh) -> Floats:

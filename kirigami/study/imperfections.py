@@ -337,7 +337,7 @@ def _run(
             raise KeyboardInterrupt
         if event.kind == "failed":
             status = str(event)
-    results.model = None  # it is known by the study, and travels between processes
+    results.forget_model()  # it is known by the study, and travels between processes
     return replace(case, status=status, **(_measured(bent, results) if len(results) else {})), results
 
 

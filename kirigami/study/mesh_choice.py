@@ -307,7 +307,7 @@ def shape_distance(one: Results, other: Results) -> float:
     from kirigami.study.shapes import ShapeSpace, _barycentric
 
     mesh, second = one.mesh, other.mesh
-    assert mesh is not None and second is not None and one.model is not None
+    assert mesh is not None and second is not None
     if one.dim == 2:
         return 0.0
     heights = [(r.rest[:, 2] + r.u[-1, :, 2])[: len(m.nodes)] for r, m in ((one, mesh), (other, second))]
@@ -323,12 +323,7 @@ def shape_distance(one: Results, other: Results) -> float:
     space = ShapeSpace(one.model)
     here = heights[0][mesh.triangles].mean(axis=1)
     lifted = np.zeros((2, len(mesh.nodes), 3))  # both taken at the facets, so that both lose alike by it
-    weight = np.zeros(len(mesh.nodes))
-    for corner in mesh.triangles.T:
-        np.add.at(weight, corner, mesh.facet_areas)
-        for field_, values in zip(lifted, (here, there)):
-            np.add.at(field_[:, 2], corner, mesh.facet_areas * values)
-    lifted[:, :, 2] /= weight
+    lifted[:, :, 2] = mesh.nodal_mean(np.column_stack([here, there])).T
     return space.distance(lifted[0], lifted[1])
 
 

@@ -291,7 +291,7 @@ def _numbers(
         "largest_force": float(force[peak]),
         "strain_at_largest_force": float(results.lam[peak]) * pull / free,
         "last_force": float(force[-1]),
-        "height": float(np.ptp(results.position()[-1, :, 2])),
+        "height": float(results.height()[-1]),
         "open_area": float(results.open_area(union=True)[-1]) if mesh.cuts else 0.0,
         "steps": len(results),
         "stable_steps": int(results.stable.sum()),
@@ -355,13 +355,10 @@ def _pictures(results: Results, folder: Path, direction: str) -> list[Path]:
 
     from kirigami import plot
 
-    model = results.model
-    assert model is not None
-    driven = next(item for item in model.constraints if isinstance(item, Prescribe))
     pictures: dict[str, Callable[[], Any]] = {
-        "rest.png": lambda: plot.plot_model(model),
+        "rest.png": lambda: plot.plot_model(results.model),
         "deformed.png": lambda: plot.plot_results(results),
-        "force.png": lambda: plot.plot_curve(results, driven.group, direction),
+        "force.png": lambda: plot.plot_curve(results, results.node_index("driven_0"), direction),
     }
     files = []
     for name, draw in pictures.items():

@@ -8,6 +8,7 @@ there.
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -87,7 +88,7 @@ class System(Unknowns):
     # ---- lowering
 
     @staticmethod
-    def _lower(objects: list[Any], numbering: Numbering) -> list[Kernel]:
+    def _lower(objects: Sequence[Any], numbering: Numbering) -> list[Kernel]:
         for item in objects:
             numbering.objects.setdefault(type(item), []).append(item)
         for cls, items in numbering.objects.items():
