@@ -13,7 +13,7 @@ import kirigami as kg
 from kirigami.plot.deformed import Field
 from kirigami.results.fields import energy_density, nodal_energy
 
-RUNGS = ("paper", "plate", "facet", "split")
+RUNGS = ("paper", "plate", "facet", "split", "shell")
 THICK = 0.05
 
 

@@ -15,7 +15,7 @@ import shapely
 import kirigami as kg
 from kirigami.results.contact import gaps, normal_forces, penetration
 
-RUNGS = ("plate", "facet", "split")
+RUNGS = ("plate", "facet", "split", "shell")
 
 
 class Case:
@@ -209,10 +209,11 @@ def test_names_of_nodes_are_kept(tmp_path: Path) -> None:
             known.position("top")
 
 
-def test_files_of_earlier_versions_know_less_but_are_read() -> None:
-    for path in sorted((Path(__file__).parent / "data").rglob("*.npz")):
-        head_only = "format" in path.name
-        if not head_only:
-            continue
-        res = kg.load(path)
-        assert res.supports == () and res.node_names == {}
+@pytest.mark.parametrize("path", sorted((Path(__file__).parent / "data").rglob("format*.npz")), ids=lambda p: p.stem)
+def test_files_of_earlier_versions_know_less_but_are_read(path: Path) -> None:
+    res = kg.load(path)
+    assert res.supports == () and res.node_names == {} and res.thickness is None
+    if res.mesh is not None and res.dim == 3:
+        with pytest.raises(kg.ModelError, match="thickness"):
+            res.stress()
+        res.plot_stress(thickness=1e-3, material=kg.Material(E=1e9))

@@ -197,3 +197,17 @@ def test_what_cannot_be_told() -> None:
     with pytest.raises(kg.ModelError, match="thickness is unknown"):
         held.stress()
     assert held.stress(0, thickness=2 * T, material=MATERIAL).thickness == 2 * T
+
+
+@pytest.mark.parametrize(
+    "wrong",
+    [
+        {"thickness": -1}, {"thickness": float("nan")}, {"thickness": 0}, {"thickness": "thin"}, {"material": 5},
+        {"step": "a"}, {"step": 1.5}, {"step": 9}, {"step": True},
+    ],
+    ids=str,
+)  # fmt: skip
+def test_arguments_of_stress_are_checked(wrong: dict[str, object]) -> None:
+    results = at("plate", MESH.nodes.copy())
+    with pytest.raises(kg.ModelError, match="stress"):
+        results.stress(**{"step": -1, **wrong})  # type: ignore[arg-type]

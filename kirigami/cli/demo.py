@@ -84,7 +84,7 @@ def run(options: argparse.Namespace) -> int:
         "largest_force": float(force[peak]),
         "strain_at_largest_force": results.lam[peak] * pull / cut_length,
         "open_area": float(area[-1]),
-        "height": float(np.ptp(z)),
+        "height": float(z.max() - z.min()),
         "steps": len(results),
         "stable_steps": int(results.stable.sum()),
         "largest_residual": float(results.residual.max()),

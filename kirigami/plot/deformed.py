@@ -89,7 +89,7 @@ def plot_results(
     >>> ax.get_xlabel()
     'x'
     """
-    number = checked_step(results, step)
+    number = results.step_number(step, "plot")
     looking = chosen_view(results, ax, view)
     field = Field(results, color)
     points = displaced(results, results[number].u, magnify)
@@ -106,14 +106,6 @@ def plot_results(
     if bar:
         style.color_bar(ax, picture.mappable, field.label if label is None else label, place)
     return ax
-
-
-def checked_step(results: Results, step: int) -> int:
-    """Step number, or a ModelError that says which there are."""
-    count = len(results)
-    if isinstance(step, bool) or not isinstance(step, (int, np.integer)) or not -count <= step < count:
-        raise ModelError(f"step {step!r} is not stored: the results hold steps 0 to {count - 1}, or -{count} to -1")
-    return int(step)
 
 
 def chosen_view(results: Results, ax: Any, view: Any) -> style.View:

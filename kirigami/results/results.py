@@ -68,6 +68,15 @@ class Results(ModelRecord):
     def __getitem__(self, index: int) -> Step:
         return self.steps[index]
 
+    def step_number(self, step: int, owner: str) -> int:
+        """The number of a stored step, or a ModelError that says which there are."""
+        count = len(self)
+        if isinstance(step, bool) or not isinstance(step, (int, np.integer)) or not -count <= step < count:
+            raise ModelError(
+                f"{owner}: step {step!r} is not stored: the results hold steps 0 to {count - 1}, or -{count} to -1"
+            )
+        return int(step)
+
     def append(self, step: Step) -> None:
         """Store one more step; derived quantities are computed anew when asked for."""
         self.steps.append(step)

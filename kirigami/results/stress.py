@@ -27,11 +27,12 @@ from kirigami.elements.curved_facet import CORNER_OF_SLOPE, EDGE_OF_SLOPE, Curve
 from kirigami.elements.triangle import ENDS, STARTS, edge_vectors, flat_edges, strain_from_edges
 from kirigami.errors import AnalysisError, ModelError
 from kirigami.post.curvature import FLAT, curvature
+from kirigami.primitives.checks import require_positive
 from kirigami.primitives.kernel import Configuration
+from kirigami.primitives.material import Material
 
 if TYPE_CHECKING:
     from kirigami.geometry.mesh import TriMesh
-    from kirigami.primitives.material import Material
     from kirigami.results.results import Results
 
 Floats = NDArray[np.float64]
@@ -188,13 +189,13 @@ def sheet_stress(
         raise AnalysisError("stress needs a model made by Model.from_mesh", results=results)
     if np.ptp(mesh.nodes[:, 2]) > FLAT * mesh.size:
         raise ModelError("stress: the drawing must be flat and level, but the nodes of the mesh differ in z")
-    thickness = results.thickness if thickness is None else thickness
+    thickness = results.thickness if thickness is None else require_positive(thickness, "thickness", "stress")
     material = results.material if material is None else material
     if thickness is None or material is None:
         raise ModelError(f"stress: the {'thickness' if thickness is None else 'material'} is unknown: give it")
-    count = len(results)
-    if step is not None and not -count <= step < count:
-        raise ModelError(f"stress: step {step!r} is not stored: there are steps 0 to {count - 1}")
+    if not isinstance(material, Material):
+        raise ModelError(f"stress: material must be a Material, got {material!r}")
+    step = None if step is None else results.step_number(step, "stress")
     chosen = results.steps if step is None else [results.steps[step]]
     sheet = _Sheet(results, mesh)
     strain, bent = np.empty((2, len(chosen), len(mesh.triangles), 2, 2))
@@ -300,7 +301,15 @@ def checked_values(stress: SheetStress, kind: Any, fibre: str) -> tuple[Floats, 
     raise ModelError(f"stress: kind must be 'largest', 'smallest' or 'von Mises', got {kind!r}")
 
 
-def plot_stress(results: Results, step: int = -1, kind: str = "largest", fibre: str = "top", **options: Any) -> Any:
+def plot_stress(
+    results: Results,
+    step: int = -1,
+    kind: str = "largest",
+    fibre: str = "top",
+    thickness: float | None = None,
+    material: Material | None = None,
+    **options: Any,
+) -> Any:
     """Draw the deformed sheet, coloured by stress.
 
     Parameters
@@ -311,6 +320,8 @@ def plot_stress(results: Results, step: int = -1, kind: str = "largest", fibre: 
         Which: one of the principal stresses, or von Mises' [force / length^2].
     fibre : {"top", "middle", "bottom"}
         Where in the thickness.
+    thickness, material : optional
+        As for :func:`sheet_stress`.
     options
         As for :func:`kirigami.plot.plot_results`.
 
@@ -325,5 +336,5 @@ def plot_stress(results: Results, step: int = -1, kind: str = "largest", fibre: 
     ModelError
         No such step, kind or fibre, no thickness or material, or a mesh that is not flat.
     """
-    values, label = checked_values(sheet_stress(results, step), kind, fibre)
+    values, label = checked_values(sheet_stress(results, step, thickness, material), kind, fibre)
     return results.plot(step, color=values, **{"label": label, **options})
