@@ -193,7 +193,8 @@ def test_what_cannot_be_told() -> None:
     held = kg.Results(System(model))
     held.append(kg.Step(0.0, np.zeros_like(model.positions())))
     assert held.stress().thickness == T
-    held.model = None
+    assert held.forget_model().stress().thickness == T
+    held.sheet_constants = None
     with pytest.raises(kg.ModelError, match="thickness is unknown"):
         held.stress()
     assert held.stress(0, thickness=2 * T, material=MATERIAL).thickness == 2 * T
