@@ -62,6 +62,7 @@ _HOME = {
     "Sweep": "sweep.sweep",
     "SweepTable": "sweep.table",
     "latin_hypercube": "sweep.sampling",
+    "stretch": "study.stretch",
     "KirigamiError": "errors",
     "GeometryError": "errors",
     "ModelError": "errors",
@@ -139,6 +140,7 @@ if TYPE_CHECKING:
     from kirigami.results.results import Results as Results
     from kirigami.results.step import Event as Event
     from kirigami.results.step import Step as Step
+    from kirigami.study.stretch import stretch as stretch
     from kirigami.sweep.sampling import latin_hypercube as latin_hypercube
     from kirigami.sweep.sweep import Sweep as Sweep
     from kirigami.sweep.table import SweepTable as SweepTable

@@ -14,7 +14,6 @@ import kirigami as kg
 from kirigami import cli
 from kirigami.analysis.path.methods import PathAnalysis
 from kirigami.cli import demo
-from kirigami.study import stretch as stretching
 
 DRAWINGS = Path(__file__).parent / "data" / "drawings"
 PLATE = str(DRAWINGS / "inkscape_layers_mm.svg")  # 120 x 80 mm, three slits and a hole
@@ -88,6 +87,9 @@ def test_demo_prints_numbers(
         ["stretch", PLATE],
         ["stretch", PLATE, *SHEET, "--thickness", "3GPa"],
         ["stretch", PLATE, *SHEET, "--direction", "z"],
+        ["stretch", PLATE, *SHEET, "--direction", "nan"],
+        ["stretch", PLATE, *SHEET, "--nodes", "0"],
+        ["stretch", PLATE, *SHEET, "--accuracy", "best"],
         ["mesh", PLATE, "--max-edge", "2 cubits"],
         ["export", PLATE],
     ],
@@ -217,12 +219,22 @@ def test_doubts_are_notes_of_one_line(tmp_path: Path, capsys: pytest.CaptureFixt
 def test_a_path_that_ends_early_is_written_and_ends_with_1(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    analysis = kg.DisplacementControl
-    monkeypatch.setattr(stretching, "DisplacementControl", lambda model, targets: analysis(model, to=0.5))
+    run = PathAnalysis.run
+
+    def lost(analysis: PathAnalysis, progress: bool = False) -> kg.Results:
+        analysis.targets = [0.25]  # type: ignore[attr-defined]
+        analysis.to = 0.5  # type: ignore[attr-defined]
+        raise kg.ConvergenceError("no equilibrium found after load factor 0.5", results=run(analysis))
+
+    monkeypatch.setattr(PathAnalysis, "run", lost)
     assert cli.main(["stretch", PLATE, *SHEET, "--folder", str(tmp_path), "--json"]) == 1
     numbers = json.loads(capsys.readouterr().out)
     assert not numbers["complete"] and numbers["strain"] == pytest.approx(0.001)
-    assert kg.load(tmp_path / "results.npz").lam[-1] == 0.5
+    results = kg.load(tmp_path / "results.npz")
+    assert results.lam[-1] == 0.5
+    assert results.reaction(results.grips["moved"], "y")[-1] == pytest.approx(numbers["last_force"])
+    notes = json.loads((tmp_path / "report.json").read_text())["notes"]
+    assert any("followed to a strain of 0.1 % on the way to 0.2 %" in note for note in notes)
 
 
 def test_an_interrupted_stretch_keeps_what_was_found(
@@ -230,11 +242,11 @@ def test_an_interrupted_stretch_keeps_what_was_found(
 ) -> None:
     run = PathAnalysis.run
 
-    def interrupted(analysis: PathAnalysis, progress: bool, on_failure: str) -> kg.Results:
+    def interrupted(analysis: PathAnalysis, progress: bool = False) -> kg.Results:
         def stop(step: kg.Step) -> None:
             raise KeyboardInterrupt
 
-        return run(analysis, recorders=[stop], on_failure=on_failure)
+        return run(analysis, recorders=[stop])
 
     monkeypatch.setattr(PathAnalysis, "run", interrupted)
     assert cli.main(["stretch", PLATE, *SHEET, "--folder", str(tmp_path)]) == 130
@@ -245,14 +257,13 @@ def test_an_interrupted_stretch_keeps_what_was_found(
 def test_a_sheet_without_equilibrium_at_rest_is_a_sentence(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    def lost(analysis: PathAnalysis, progress: bool, on_failure: str) -> kg.Results:
-        results = kg.Results(kg.System(analysis.model))
-        results.events.append(kg.Event("failed", 0.0, 0, "no equilibrium found at the start"))
-        return results
+    def lost(analysis: PathAnalysis, progress: bool = False) -> kg.Results:
+        raise kg.ConvergenceError("no equilibrium found at the start", results=kg.Results(kg.System(analysis.model)))
 
     monkeypatch.setattr(PathAnalysis, "run", lost)
     assert cli.main(["stretch", PLATE, *SHEET, "--folder", str(tmp_path / "out")]) == 1
-    assert capsys.readouterr().err == "kirigami: no equilibrium found at the start\n"
+    said = capsys.readouterr().err
+    assert said.startswith("kirigami: the sheet was followed to a strain of 0 %") and "at the start" in said
     assert not list(tmp_path.iterdir())
 
 
@@ -262,7 +273,7 @@ def test_a_sheet_without_equilibrium_at_rest_is_a_sentence(
         (["absent.dxf"], "there is no file absent.dxf"),
         (["plate.step"], "drawings end in .dxf, .svg"),
         ([PLATE, "--cuts", "purple"], "no curve is on a layer or has a colour 'purple'; there are layer"),
-        ([PLATE, "--grip", "60mm"], "do not leave a free length in the sheet of 80 mm"),
+        ([PLATE, "--grip", "60mm"], "75 % of the length at each end do not leave a free length"),
         ([str(DRAWINGS / "crease_pattern_mm.fold"), "--outline", "red"], "read without the option outline"),
     ],
 )

@@ -55,6 +55,7 @@ SIGNATURES = {
     "Results.to_vtk": "(self, folder)",
     "Results.to_xarray": "(self)",
     "load": "(path)",
+    "stretch": "(sheet, strain=0.2, direction='y', accuracy='standard')",
     "check_kernel": "(kernel, x)",
     "Kernel.evaluate": "(self, x, lam=..., need=...)",
     "Kernel.commit": "(self, x)",

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import math
 import sys
 from contextlib import suppress
 from pathlib import Path
@@ -12,9 +13,9 @@ from kirigami.cli.options import add_command, add_reading, print_json, quantity,
 from kirigami.errors import KirigamiError
 
 DESCRIPTION = """\
-Read a drawing (.dxf, .svg, .geojson, .fold), mesh it, hold its two ends, pull one of them, and
-follow the sheet through buckling. The ends are the straight edges at the two extremes of the
-outline, or strips where these are not straight.
+Read a drawing (.dxf, .svg, .geojson, .fold), mesh it, hold its two ends, pull or push one of
+them, and follow the sheet through buckling. The ends are the straight edges at the two extremes
+of the outline along the pull, or strips where these are not straight. In a script: kg.stretch.
 
 Writes a folder: report.json, curves.csv, results.npz, pictures, page.html (turn the sheet with
 the mouse, run the load with a slider) and vtk/ for ParaView."""
@@ -27,7 +28,8 @@ examples:
   kirigami stretch plate.dxf --thickness 0.1mm --E 3.5GPa
   kirigami stretch plate.svg --thickness 75um --E 5GPa --strain 30% --direction x --grip 5mm
   kirigami stretch plate.dxf --thickness 0.1mm --E 3.5GPa --drawn-in in --cuts red --outline black
-  kirigami stretch plate.dxf --thickness 0.1mm --E 3.5GPa --max-edge 5mm --json | jq .largest_force
+  kirigami stretch plate.dxf --thickness 0.1mm --E 3.5GPa --nodes 1000 --json | jq .largest_force
+  kirigami stretch plate.dxf --thickness 0.1mm --E 3.5GPa --strain=-2% --direction 30 --cycle
 
 Ends with 0 where the whole strain was reached, 1 where the path ended early (what was found is
 written) or nothing could be done, 2 for wrong usage, 130 when interrupted (what was found is
@@ -53,7 +55,14 @@ def add(commands: Any) -> None:
         metavar="RATIO",
         help="grip displacement over the length between the grips (default: 20%%); to push, write --strain=-5%%",
     )
-    pull.add_argument("--direction", choices=("y", "x"), default="y", help="of the pull (default: %(default)s)")
+    pull.add_argument(
+        "--direction",
+        type=_direction,
+        default="y",
+        metavar="y|x|DEGREES",
+        help="of the pull: an axis, or an angle from x, counter-clockwise (default: %(default)s)",
+    )
+    pull.add_argument("--cycle", action="store_true", help="go there and back again")
     pull.add_argument(
         "--grip",
         type=length,
@@ -63,13 +72,19 @@ def add(commands: Any) -> None:
     )
     work = parser.add_argument_group("the computation")
     work.add_argument(
-        "--max-edge", type=length, metavar="LENGTH", help="largest edge of the mesh (default: about 4,000 facets)"
+        "--accuracy",
+        choices=("draft", "standard", "fine"),
+        default="standard",
+        help="how much to pay for: stiffness, mesh and residual (default: %(default)s)",
     )
+    work.add_argument("--nodes", type=_count, metavar="N", help="budget of mesh nodes (default: that of the accuracy)")
+    work.add_argument("--max-edge", type=length, metavar="LENGTH", help="longest edge of the mesh, instead of a budget")
+    work.add_argument("--stiffness", metavar="NAME", help="plate, facet, ... (default: that of the accuracy)")
     work.add_argument(
         "--imperfection",
         type=length,
         metavar="LENGTH",
-        help="height of the softest mode, added free of stress (default: the thickness)",
+        help="height of the imperfection, which is free of stress (default: the thickness)",
     )
     work.add_argument("--folder", type=Path, help="where to write (default: ./NAME-stretched)")
     add_reading(parser)
@@ -79,7 +94,7 @@ def run(options: argparse.Namespace) -> int:
     """Stretch a drawing and write the report."""
     import matplotlib
 
-    from kirigami.study.stretch import stretch, write_report
+    from kirigami.study.report import stretch_drawing, write_report
 
     matplotlib.use("Agg")  # files only: no window, no display needed
     say = speaker(options)
@@ -87,15 +102,19 @@ def run(options: argparse.Namespace) -> int:
     made = not folder.exists()
     folder.mkdir(parents=True, exist_ok=True)  # before the work, which would be in vain without it
     try:
-        report = stretch(
+        report = stretch_drawing(
             options.drawing,
             thickness=options.thickness,
             E=options.E,
             nu=options.nu,
             strain=options.strain,
             direction=options.direction,
+            accuracy=options.accuracy,
+            cycle=options.cycle,
             grip=options.grip,
+            nodes=options.nodes,
             max_edge=options.max_edge,
+            stiffness=options.stiffness,
             imperfection=options.imperfection,
             progress=not options.quiet,
             say=lambda note: say(f"  {note}"),
@@ -113,6 +132,28 @@ def run(options: argparse.Namespace) -> int:
     if any(event.kind == "interrupted" for event in report.results.events):
         return 130
     return 0 if report.complete else 1
+
+
+def _direction(text: str) -> str | float:
+    if text in ("x", "y"):
+        return text
+    try:
+        angle = float(text)
+    except ValueError:
+        angle = math.nan
+    if not math.isfinite(angle):
+        raise argparse.ArgumentTypeError(f"{text!r} is neither x nor y nor an angle in degrees")
+    return angle
+
+
+def _count(text: str) -> int:
+    try:
+        number = int(text)
+    except ValueError:
+        number = 0
+    if number < 1:
+        raise argparse.ArgumentTypeError(f"{text!r} is no number of nodes")
+    return number
 
 
 def _names(files: list[Path], folder: Path) -> list[str]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import copy
 import itertools
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -24,7 +24,7 @@ Floats = NDArray[np.float64]
 def plot_curve(
     results: Results,
     nodes: Node | int | Iterable[Node | int] | None = None,
-    axis: str = "y",
+    axis: str | Sequence[float] | Floats = "y",
     x: str | tuple[Any, str] | ArrayLike = "lam",
     ax: Any = None,
     label: str | None = None,
@@ -39,7 +39,7 @@ def plot_curve(
         What to draw.
     nodes : Node, int, or sequence of them, optional
         Supported nodes whose summed reaction is drawn; None draws the load factor.
-    axis : {"x", "y", "z"}
+    axis : {"x", "y", "z"} or direction of 2 or 3 numbers
         Component of the reaction.
     x : "lam", (node, axis) or array_like, shape (s,)
         What it is drawn over: the load factor, a displacement of a node, or your own values such as a strain.
@@ -99,7 +99,7 @@ def plot_curve(
         name = None if label else "limit point"
         ax.plot(across[after], up[after], linestyle="none", marker="o", markersize=6, zorder=3, label=name, **rim)
     ax.set_xlabel(across_label)
-    ax.set_ylabel("load factor" if nodes is None else f"reaction along {axis}")
+    ax.set_ylabel("load factor" if nodes is None else f"reaction along {axis}" if isinstance(axis, str) else "reaction")
     if ax.get_legend_handles_labels()[0]:
         ax.legend()
     return ax

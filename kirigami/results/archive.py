@@ -86,11 +86,14 @@ def pack(results: Results, with_kernels: bool = True) -> dict[str, Any]:
         "node_names": results.node_names,
         "supports": [[s.name, s.kind, s.dofs, s.constant, s.clamp] for s in results.supports],
         "sheet": _sheet_words(results.sheet_constants),
+        "grips": list(results.grip_nodes),
     }
     for position, support in enumerate(results.supports):
         arrays[f"support{position}.nodes"], arrays[f"support{position}.leaders"] = support.nodes, support.leaders
         for axis, values in support.values.items():
             arrays[f"support{position}.{axis}"] = values
+    for position, nodes in enumerate(results.grip_nodes.values()):
+        arrays[f"grip{position}"] = nodes
     if results.mesh is not None:
         head["mesh"] = {
             "sets": list(results.mesh.sets),
@@ -214,6 +217,7 @@ def _rebuild(head: dict[str, Any], data: dict[str, Any]) -> Results:
     results.supports = _supports(head, data)
     results.sheet_constants = _sheet(head.get("sheet"))
     results.mesh = None
+    results.grip_nodes = {name: data[f"grip{position}"] for position, name in enumerate(head.get("grips", ()))}
     results.kernels = []
     results.inner_rest = data.get("inner_rest", np.zeros((0, results.dim)))
     rest = np.concatenate([results.rest[:, : results.dim], results.inner_rest])

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
@@ -35,6 +36,8 @@ class Results(ModelRecord):
         What was held, driven and tied, by name; see :class:`kirigami.results.supports.Support`.
     stats : dict
         "iterations", "factorizations", "steps", "cutbacks", "relaxations", "backend", and "seconds" per part.
+    grip_nodes : dict of str to ndarray of int
+        Indices of the nodes of the grips, where there are some.
 
     Examples
     --------
@@ -59,6 +62,7 @@ class Results(ModelRecord):
         self.kernels = system.kernels
         self.constrained = system.constrained
         self.linear = linear
+        self.grip_nodes: dict[str, NDArray[np.int64]] = {}
 
     # ---- steps
 
@@ -92,6 +96,13 @@ class Results(ModelRecord):
     def u(self) -> Array:
         """Displacements (s, n, 3) from the rest state [length]."""
         return np.array([step.u for step in self.steps]).reshape(len(self.steps), len(self.rest), 3)
+
+    @property
+    def grips(self) -> dict[str, tuple[Node, ...] | NDArray[np.int64]]:
+        """Nodes of the grips of :func:`kirigami.stretch`, "held" and "moved"; indices in results without a model."""
+        if not self.nodes:
+            return dict(self.grip_nodes)
+        return {name: tuple(self.nodes[k] for k in index) for name, index in self.grip_nodes.items()}
 
     @property
     def stable(self) -> NDArray[np.bool_]:
@@ -182,15 +193,15 @@ class Results(ModelRecord):
                 np.add.at(target, base, target[tip])
         return total
 
-    def reaction(self, nodes: Nodes, axis: str | None = None) -> Array:
+    def reaction(self, nodes: Nodes, axis: str | Sequence[float] | Array | None = None) -> Array:
         """Force of the support on the structure, summed over nodes.
 
         Parameters
         ----------
         nodes : Node, int, str, or sequence of Node or int
             The supported nodes, as for :meth:`node_index`: also "driven_0", or "top".
-        axis : {"x", "y", "z"}, optional
-            One component; None gives all three.
+        axis : {"x", "y", "z"} or direction of 2 or 3 numbers, optional
+            One component: along an axis, or along a direction; None gives all three.
 
         Returns
         -------
@@ -205,9 +216,15 @@ class Results(ModelRecord):
         total: Array = self._gradients[:, self.node_index(nodes)].sum(axis=1)
         if axis is None:
             return total
-        if axis not in tuple(AXES):
-            raise ModelError(f"reaction: axis must be 'x', 'y' or 'z', got {axis!r}")
-        component: Array = total[:, AXES.index(axis)]
+        if isinstance(axis, str):
+            if axis not in tuple(AXES):
+                raise ModelError(f"reaction: axis must be 'x', 'y' or 'z', or a direction, got {axis!r}")
+            component: Array = total[:, AXES.index(axis)]
+            return component
+        along = np.asarray(axis, dtype=float)
+        if along.shape not in ((2,), (3,)) or not np.isfinite(along).all() or not along.any():
+            raise ModelError(f"reaction: a direction is 2 or 3 finite numbers that are not all zero, got {axis!r}")
+        component = total[:, : len(along)] @ (along / np.linalg.norm(along))
         return component
 
     @cached_property

@@ -8,6 +8,7 @@ from kirigami.study.branches import branches
 from kirigami.study.error_estimate import ErrorEstimate, estimate_error
 from kirigami.study.imperfections import Case, ImperfectionStudy, imperfections, seeds
 from kirigami.study.mesh_choice import MeshChoice, MeshRun, choose_mesh
+from kirigami.study.report import Report, stretch_drawing, write_report
 
 __all__ = [
     "AccuracyStudy",
@@ -17,6 +18,7 @@ __all__ = [
     "ImperfectionStudy",
     "MeshChoice",
     "MeshRun",
+    "Report",
     "accuracy",
     "bracket",
     "branches",
@@ -24,4 +26,6 @@ __all__ = [
     "estimate_error",
     "imperfections",
     "seeds",
+    "stretch_drawing",
+    "write_report",
 ]

@@ -1,370 +1,248 @@
-"""The whole job on a drawing: read, mesh, clamp, stretch, report. The command line is a thin layer over this."""
+"""A sheet held at one end and pulled at the other, in one call: what the command line does, without files."""
 
 from __future__ import annotations
 
-import json
-import os
 import warnings
 from collections.abc import Callable
-from dataclasses import dataclass, field
-from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
-from kirigami import units
 from kirigami.analysis.eigen import Eigen
 from kirigami.analysis.path.methods import DisplacementControl
-from kirigami.drawing.convert import read_drawing
-from kirigami.errors import AnalysisError, KirigamiError, KirigamiWarning, ModelError
-from kirigami.files import whole_file
+from kirigami.elements.stiffness import Calibration
+from kirigami.errors import ConvergenceError, KirigamiWarning, ModelError
 from kirigami.geometry.mesh import TriMesh
 from kirigami.geometry.sheet import Sheet
-from kirigami.io.convert import edge_for
-from kirigami.model.constraints import Fix, Prescribe
 from kirigami.model.model import Model
+from kirigami.primitives.checks import require_finite, require_positive
+from kirigami.primitives.kernel import Array
 from kirigami.primitives.material import Material
 from kirigami.primitives.node import Node
 from kirigami.results.results import Results
-
-if TYPE_CHECKING:
-    from kirigami.drawing.drawing import Drawing
-
-SIDES = {"x": ("left", "right"), "y": ("bottom", "top")}
-GRIP = 0.04  # of the length, where the end of a sheet is no straight edge to hold
-STRAIGHT = 0.2  # of the width: what counts as a straight edge
+from kirigami.study.grips import Grips, find_grips
 
 
-@dataclass
-class Report:
-    """What a stretched drawing gave.
+@dataclass(frozen=True)
+class Level:
+    """What a word for accuracy stands for: a stiffness, a budget of mesh nodes, and a relative residual."""
 
-    Attributes
-    ----------
-    results : Results
-        The path.
-    numbers : dict
-        What a person or a program wants to know first, in SI units.
-    notes : tuple of str
-        What was read, assumed and done.
-    direction : {"y", "x"}
-        Direction of the pull.
-    files : list of Path
-        What was written.
-    """
+    stiffness: str
+    nodes: int
+    tol: float
 
-    results: Results
-    numbers: dict[str, Any]
-    notes: tuple[str, ...]
-    direction: str = "y"
-    files: list[Path] = field(default_factory=list)
 
-    @property
-    def complete(self) -> bool:
-        """Whether the whole strain was reached."""
-        return bool(abs(self.results.lam[-1] - 1.0) < 1e-9)
-
-    def text(self) -> str:
-        """The numbers as lines."""
-        n = self.numbers
-        lines = [
-            f"nodes {n['nodes']}, facets {n['facets']}, cuts {n['cuts']}",
-            (
-                f"strain {100 * n['strain']:.4g} % = {units.show(n['displacement'], 'length')} of grip displacement / "
-                f"{units.show(n['free_length'], 'length')} between the grips"
-            ),
-            (
-                f"largest force {n['largest_force']:.4g} N at strain {100 * n['strain_at_largest_force']:.4g} %, "
-                f"last {n['last_force']:.4g} N"
-            ),
-            f"height {units.show(n['height'], 'length')}, open area {n['open_area']:.4g} m2",
-            (
-                f"{n['steps']} steps, {n['stable_steps']} stable, largest residual {n['largest_residual']:.1e}, "
-                f"{n['seconds']:.1f} s"
-            ),
-        ]
-        if not self.complete:
-            lines.append(f"the path ended at {100 * self.results.lam[-1]:.3g} % of the way: see the events")
-        return "\n".join(lines)
+ACCURACY = {
+    "draft": Level("plate", 1500, 1e-6),
+    "standard": Level("facet", 3000, 1e-8),
+    "fine": Level("facet", 10000, 1e-8),
+}
+STORED = (0.002, 0.005, 0.01, 0.02, 0.05, *np.linspace(0.1, 1.0, 10).tolist())  # shares of the pull that are stored
+LOCKED = 0.05  # mean strain of the material beyond which cuts no longer give way
 
 
 def stretch(
-    drawing: Drawing | str | os.PathLike[str],
+    sheet: Sheet,
+    strain: float = 0.2,
+    direction: str | float = "y",
+    accuracy: str = "standard",
     *,
-    thickness: float | str,
-    E: float | str,
-    nu: float = 0.34,
-    strain: float | str = 0.2,
-    direction: str = "y",
-    grip: float | str | None = None,
-    max_edge: float | str | None = None,
-    imperfection: float | str | None = None,
+    thickness: float | None = None,
+    material: Material | None = None,
+    cycle: bool = False,
+    grip: float | None = None,
+    nodes: int | None = None,
+    max_edge: float | None = None,
+    stiffness: str | Calibration | None = None,
+    amplitude: float | None = None,
     progress: bool = False,
-    say: Callable[[str], None] = lambda note: None,
-    **reading: Any,
-) -> Report:
-    """Read a drawing, clamp its two ends, pull one of them, and follow the sheet.
+    say: Callable[[str], None] | None = None,
+) -> Results:
+    """Hold one end of a sheet, pull or push the other, and follow the sheet through buckling.
 
-    Lengths are metres, or text with a unit ("0.1mm"). The ends that are held are the straight edges of the outline at
-    its two extremes, or strips of the given grip length there; the grip that is pulled keeps its shape.
+    The grips clamp the two ends of the sheet along the direction: its edges there where they are straight, else strips
+    of 4 % of its length. They keep their shape, and one of them moves by strain times the free length between them.
 
     Parameters
     ----------
-    drawing : Drawing or path
-        In metres, or a file; see :func:`kirigami.drawing.convert.read_drawing`.
-    thickness, E : float or str
-        Thickness [m] and Young's modulus [Pa].
-    nu : float
-        Poisson's ratio.
-    strain : float or str
-        Grip displacement over the free length between the grips, to be reached.
-    direction : {"y", "x"}
-        Direction of the pull.
-    grip : float or str, optional
-        Length of the strip held at each end [m]; 0 holds the edges alone. None takes 0 where the ends are straight,
-        else 4 % of the length.
-    max_edge : float or str, optional
-        Largest edge of the mesh [m]; None aims at about 4,000 facets.
-    imperfection : float or str, optional
-        Height of the stress-free imperfection, the softest mode of the held sheet [m]; None takes the thickness.
+    sheet : Sheet
+        The sheet, in any unit.
+    strain : float
+        Grip displacement over the free length between the grips, to be reached; negative to push.
+    direction : "x", "y" or float
+        Of the pull; an angle is in degrees from x, counter-clockwise. The end the direction points to is moved.
+    accuracy : {"draft", "standard", "fine"}
+        How much to pay for: the stiffness, the budget of mesh nodes and the residual, each of which can be given by
+        itself as well.
+    thickness : float, optional
+        Of the sheet [length]; None takes the sheet's own.
+    material : Material, optional
+        None takes the sheet's own.
+    cycle : bool
+        Go there and back again.
+    grip : float, optional
+        Length of the strips that are held [length]; 0 holds the edges alone.
+    nodes : int, optional
+        Budget of mesh nodes.
+    max_edge : float, optional
+        Longest edge of the mesh [length], in the place of a budget.
+    stiffness : str or Calibration, optional
+        As for :meth:`kirigami.Model.from_mesh`.
+    amplitude : float, optional
+        Height of the stress-free imperfection [length]; 0 leaves the sheet flat, None takes its thickness.
     progress : bool
         Show a progress bar.
-    say : callable
+    say : callable, optional
         Called with each note as soon as it is known, so that a slip shows before the path is followed.
-    **reading
-        Options of the reader of the drawing.
 
     Returns
     -------
-    Report
-        Also where the path ended early; ``report.complete`` tells.
+    Results
+        Load factor 1 is the whole strain. ``grips["held"]`` and ``grips["moved"]`` are the nodes of the grips (their
+        indices, once saved and loaded): ``reaction(grips["moved"], "y")`` is the force of a pull along y. After Ctrl-C
+        what was found until then.
 
     Raises
     ------
-    GeometryError
-        The drawing cannot be read or meshed.
     ModelError
-        A quantity is wrong.
-    AnalysisError
-        Not even the sheet at rest was found to be in equilibrium.
+        A request that makes no sense, or no thickness or material.
+    GeometryError
+        The sheet cannot be meshed.
+    ConvergenceError
+        The sheet could not be followed to the whole strain: the message says how far, ``error.results`` is the path up
+        to there.
+
+    Warns
+    -----
+    KirigamiWarning
+        Where the material itself is stretched so much that the sheet is locked.
 
     Examples
     --------
     >>> import shapely
-    >>> from kirigami.drawing.drawing import Drawing
-    >>> plate = Drawing(shapely.box(0, 0, 0.05, 0.1), (shapely.LineString([(0.01, 0.05), (0.04, 0.05)]),))
-    >>> report = stretch(plate, thickness="0.1mm", E="3.5GPa", strain="1%", max_edge="10mm")
-    >>> report.complete, round(report.numbers["displacement"], 9)
-    (True, 0.001)
+    >>> strip = Sheet(shapely.box(0, 0, 0.02, 0.1), thickness=1e-4, material=Material(E=2e9, nu=0.0))
+    >>> res = stretch(strip, strain=0.001, accuracy="draft", stiffness="facet", max_edge=0.02, amplitude=0)
+    >>> round(float(res.reaction(res.grips["moved"], "y")[-1]), 1)
+    4.0
     """
-    if direction not in SIDES:
-        raise ModelError(f"direction must be 'x' or 'y', got {direction!r}")
-    thick, modulus = units.parse(thickness, "length"), units.parse(E, "stress")
-    wanted = units.parse(strain, "ratio")
-    if not wanted or not np.isfinite(wanted):
-        raise ModelError(f"strain must be a finite number other than zero, got {strain!r}")
-    if isinstance(drawing, (str, os.PathLike)):
-        name, drawn = Path(drawing).stem, read_drawing(drawing, **{**reading, "unit": "m"})
-    else:
-        name, drawn = "sheet", drawing
-    sheet = drawn.sheet(thick, Material(E=modulus, nu=nu))
-    xmin, ymin, xmax, ymax = sheet.bounds
-    length, width = (ymax - ymin, xmax - xmin) if direction == "y" else (xmax - xmin, ymax - ymin)
-    for doubt in units.doubts(thickness=thick, size=max(length, width), E=modulus, strain=wanted):
-        warnings.warn(doubt, KirigamiWarning, stacklevel=2)
-    held = _grip(grip, sheet, direction, length, width)
-    edge = edge_for(sheet, max_edge)
-    pull = wanted * (length - 2 * held)
-    bump = thick if imperfection is None else units.parse(imperfection, "length")
-    grips = f"strips of {units.show(held, 'length')}" if held else "edges"
-    notes = (
-        *drawn.notes,
-        f"thickness {units.show(thick, 'length')}, E {units.show(modulus, 'stress')}, nu {nu:g}",
-        f"{grips} held at the {' and '.join(SIDES[direction])}",
-        f"strain {units.show(wanted, 'ratio')} to reach, {units.show(pull, 'length')} of grip displacement",
-        f"mesh edges up to {units.show(edge, 'length')}, imperfection {units.show(bump, 'length')} (softest mode)",
-    )
-    for note in notes:
-        say(note)
-    model, high = held_model(sheet, edge, direction, held, pull, bump)
-    model.name = name
-    targets = [0.002, 0.005, 0.01, 0.02, 0.05, *np.linspace(0.1, 1.0, 10).tolist()]
-    results = DisplacementControl(model, targets=targets).run(progress=progress, on_failure="return")
-    events = tuple(str(event) for event in results.events)
-    if not len(results):
-        raise AnalysisError("\n".join(events), results=results)
-    for event in events:
-        say(event)
-    assert model.mesh is not None
-    numbers = _numbers(results, model.mesh, high, direction, pull, length - 2 * held)
-    return Report(results, numbers, notes + events, direction)
+    say = say or _in_silence
+    level = _level(accuracy)
+    sheet, strain = _checked(sheet, strain, thickness, material)
+    grips = find_grips(sheet, direction, None if grip is None else require_finite(grip, "grip", "stretch"))
+    say(f"{'strips' if grips.strip else 'edges'} held at the {' and '.join(grips.names)}")
+    mesh = _mesh(sheet, grips, level.nodes if nodes is None else nodes, max_edge)
+    say(f"{len(mesh.nodes)} nodes, {len(mesh.triangles)} facets")
+    model, held, moved = held_model(mesh, grips, strain, stiffness or level.stiffness)
+    _imperfect(model, amplitude)
+    grip_nodes = {"held": model.index(held), "moved": model.index(moved)}
+    targets = [*STORED, *STORED[-2::-1]] if cycle else list(STORED)
+    analysis = DisplacementControl(model, targets=targets, to=0.0 if cycle else 1.0, tol=level.tol)
+    try:
+        results = analysis.run(progress=progress)
+    except ConvergenceError as error:
+        if error.results is not None:
+            error.results.grip_nodes = grip_nodes
+        raise _short_of(error, strain, cycle) from error
+    results.grip_nodes = grip_nodes
+    _warn_of_lock(results, sheet, strain)
+    return results
+
+
+def held_model(
+    mesh: TriMesh, grips: Grips, strain: float, stiffness: str | Calibration
+) -> tuple[Model, list[Node], list[Node]]:
+    """The flat model of a mesh between its grips, one of them driven to a strain; the held nodes and the moved ones."""
+    model = Model.from_mesh(mesh, stiffness=stiffness)
+    held, moved = grips.hold(model, strain * grips.free_length)
+    return model, held, moved
 
 
 def pulled_sheet(
     sheet: Sheet, max_edge: float, direction: str, strain: float, stiffness: str = "plate"
 ) -> tuple[Model, list[Node]]:
-    """Model of a sheet clamped at its two ends and to be pulled by a strain, and the nodes that are pulled.
-
-    Ends and imperfection as in :func:`stretch`: straight edges or strips of 4 % of the length; the softest mode, one
-    thickness high.
-    """
-    xmin, ymin, xmax, ymax = sheet.bounds
-    length, width = (ymax - ymin, xmax - xmin) if direction == "y" else (xmax - xmin, ymax - ymin)
-    held = _grip(None, sheet, direction, length, width)
-    if sheet.thickness is None:
-        raise ModelError("the sheet has no thickness: give one to the Sheet")
-    pull = strain * (length - 2 * held)
-    return held_model(sheet, max_edge, direction, held, pull, sheet.thickness, stiffness)
+    """Model of a sheet with its imperfection between its grips, to be pulled, and the nodes that are pulled."""
+    grips = find_grips(sheet, direction)
+    model, _, moved = held_model(_mesh(sheet, grips, 1, max_edge), grips, strain, stiffness)
+    _imperfect(model, None)
+    return model, moved
 
 
-def held_model(
-    sheet: Sheet, edge: float, direction: str, held: float, pull: float, bump: float, stiffness: str = "plate"
-) -> tuple[Model, list[Node]]:
-    """Model of a sheet held at both ends and driven at the upper or right one, and the nodes that are driven.
-
-    The imperfection is the softest mode of the held sheet, `bump` high.
-    """
-    mesh = sheet.mesh(edge, lines=_grip_lines(sheet.bounds, direction, held))
-    model = Model.from_mesh(mesh, stiffness=stiffness)
-    high = _hold(model, direction, held, pull)
-    if bump:
-        model.perturb(Eigen(model, n=1).run()[0], amplitude=bump)
-    return model, high
+def _level(accuracy: str) -> Level:
+    if not isinstance(accuracy, str) or accuracy not in ACCURACY:
+        raise ModelError(f"accuracy must be {', '.join(map(repr, ACCURACY))}, got {accuracy!r}")
+    return ACCURACY[accuracy]
 
 
-def _grip(grip: float | str | None, sheet: Sheet, direction: str, length: float, width: float) -> float:
-    if grip is not None:
-        held = units.parse(grip, "length")
-        if not 0 <= held < 0.45 * length:
-            raise ModelError(f"the grips of {units.show(held, 'length')} do not leave a free length in the sheet of "
-                             f"{units.show(length, 'length')}")  # fmt: skip
-        return held
-    axis = "xy".index(direction)
-    points = np.asarray(sheet.outline.exterior.coords)
-    for end in (points[:, axis].min(), points[:, axis].max()):
-        at_end = np.abs(points[:, axis] - end) <= 1e-9 * length
-        along = points[at_end, 1 - axis]
-        if np.ptp(along) < STRAIGHT * width:
-            return GRIP * length
-    return 0.0
+def _checked(
+    sheet: Sheet, strain: Any, thickness: float | None, material: Material | None
+) -> tuple[Sheet, float]:
+    """The sheet with its thickness and material, and the strain."""
+    if not isinstance(sheet, Sheet):
+        raise ModelError(
+            f"stretch takes a Sheet, got {type(sheet).__name__}; Sheet.from_dxf and its kin read drawings"
+        )
+    strain = require_finite(strain, "strain", "stretch")
+    if strain == 0:
+        raise ModelError("stretch: strain must be a number other than zero: negative to push, positive to pull")
+    if strain <= -1:
+        raise ModelError(f"stretch: a strain of {100 * strain:.6g} % would push one grip through the other")
+    thickness = sheet.thickness if thickness is None else thickness
+    material = sheet.material if material is None else material
+    if thickness is None or material is None:
+        missing = "thickness" if thickness is None else "material"
+        raise ModelError(f"stretch: the sheet has no {missing}: give one to the Sheet or to stretch")
+    thickness = require_positive(thickness, "thickness", "stretch")
+    return Sheet(sheet.outline, sheet.cuts, thickness, material), strain
 
 
-def _grip_lines(bounds: tuple[float, float, float, float], direction: str, held: float) -> dict[str, Any]:
-    """Lines of mesh edges at the inner ends of the grips."""
-    from shapely import LineString
-
-    if not held:
-        return {}
-    xmin, ymin, xmax, ymax = bounds
-    if direction == "y":
-        return {f"grip {k}": LineString([(xmin, y), (xmax, y)]) for k, y in enumerate((ymin + held, ymax - held))}
-    return {f"grip {k}": LineString([(x, ymin), (x, ymax)]) for k, x in enumerate((xmin + held, xmax - held))}
+def _mesh(sheet: Sheet, grips: Grips, nodes: int, max_edge: float | None) -> TriMesh:
+    budget = require_positive(nodes, "nodes", "stretch")
+    edge = (2.3 * sheet.area / (1.3 * budget)) ** 0.5 if max_edge is None else max_edge
+    return sheet.mesh(edge, lines=grips.lines())
 
 
-def _hold(model: Model, direction: str, held: float, pull: float) -> list[Node]:
-    """Add the supports; returns the nodes that are pulled."""
-    assert model.mesh is not None
-    axis = "xy".index(direction)
-    coordinate = model.mesh.nodes[:, axis]
-    slack = 1e-9 * model.mesh.size
-    low = model.select(index=np.flatnonzero(coordinate <= coordinate.min() + held + slack))
-    high = model.select(index=np.flatnonzero(coordinate >= coordinate.max() - held - slack))
-    others = "xz" if direction == "y" else "yz"
-    drive = Prescribe(high, y=pull) if direction == "y" else Prescribe(high, x=pull)
-    model.add(Fix(low, clamp=True), Fix(high, others, clamp=True), drive)
-    return high
+def _imperfect(model: Model, amplitude: float | None) -> None:
+    """Give the held sheet its imperfection: its softest mode, one thickness high unless said."""
+    assert model.mesh is not None and model.mesh.thickness is not None
+    height = model.mesh.thickness if amplitude is None else require_finite(amplitude, "amplitude", "stretch")
+    if height:
+        model.perturb(Eigen(model, n=1).run()[0], amplitude=height)
 
 
-def _numbers(
-    results: Results, mesh: TriMesh, high: list[Node], direction: str, pull: float, free: float
-) -> dict[str, Any]:
-    force = results.reaction(high, direction)
-    peak = int(np.abs(force).argmax())
-    last = float(results.lam[-1])
-    return {
-        "nodes": len(mesh.nodes),
-        "facets": len(mesh.triangles),
-        "cuts": len(mesh.cuts),
-        "strain": last * pull / free,
-        "displacement": last * pull,
-        "free_length": free,
-        "largest_force": float(force[peak]),
-        "strain_at_largest_force": float(results.lam[peak]) * pull / free,
-        "last_force": float(force[-1]),
-        "height": float(results.height()[-1]),
-        "open_area": float(results.open_area(union=True)[-1]) if mesh.cuts else 0.0,
-        "steps": len(results),
-        "stable_steps": int(results.stable.sum()),
-        "largest_residual": float(np.nanmax(results.residual)),
-        "seconds": float(results.stats["seconds"].get("total", 0.0)),
-    }
+def _short_of(error: ConvergenceError, strain: float, cycle: bool) -> ConvergenceError:
+    """The failure of a path in terms of the strain that was asked for."""
+    reached = 0.0 if error.results is None or not len(error.results) else 100 * strain * float(error.results.lam[-1])
+    way = f"{100 * strain:.4g} %" + (" and back" if cycle else "")
+    message = str(error).partition("\nHint: ")[0]
+    return ConvergenceError(
+        f"the sheet was followed to a strain of {reached:.4g} % on the way to {way}: {message}",
+        results=error.results,
+        history=error.history,
+        worst_nodes=error.worst_nodes,
+        hint="the path so far is in error.results; another amplitude or a finer mesh may lead on",
+    )
 
 
-def write_report(report: Report, folder: str | os.PathLike[str], say: Callable[[str], None] = print) -> list[Path]:
-    """Write all files of a stretched drawing into a folder; parts whose library is missing are skipped with a word.
-
-    ``report.json``, ``curves.csv``, ``results.npz``, ``rest.png``, ``deformed.png``, ``force.png``, ``page.html``, and
-    ``vtk/`` for ParaView.
-
-    Parameters
-    ----------
-    report : Report
-        From :func:`stretch`.
-    folder : path
-        Where to; made if it is missing.
-    say : callable
-        Where words go.
-
-    Examples
-    --------
-    >>> import shapely, tempfile
-    >>> from kirigami.drawing.drawing import Drawing
-    >>> plate = Drawing(shapely.box(0, 0, 0.05, 0.1), ())
-    >>> report = stretch(plate, thickness="0.1mm", E="3.5GPa", strain="0.1%", max_edge="25mm", imperfection=0)
-    >>> files = write_report(report, tempfile.mkdtemp(), say=lambda words: None)
-    >>> "report.json" in [file.name for file in files]
-    True
-    """
-    from kirigami.io.table import to_csv
-
-    target, results = Path(folder), report.results
-    files = [target / "report.json", target / "curves.csv", target / "results.npz"]
-    with whole_file(files[0]) as unfinished:
-        content = {"complete": report.complete, "numbers": report.numbers, "notes": list(report.notes)}
-        unfinished.write_text(json.dumps(content, indent=1) + "\n", encoding="utf-8")
-    to_csv(results, files[1])
-    results.save(files[2])
-    files += _pictures(results, target, report.direction)
-
-    def page() -> list[Path]:
-        from kirigami.io.html import to_html
-
-        return [to_html(results, target / "page.html")]
-
-    for write in (page, lambda: results.to_vtk(target / "vtk")):
-        try:
-            files += write()
-        except KirigamiError as error:
-            say(f"left out: {error}")
-    report.files = files
-    return files
+def material_strain(results: Results, sheet: Sheet) -> Array:
+    """Mean strain of the material (s,), sqrt(2 U / (E V)) with U the stored energy and V the volume of the sheet."""
+    assert sheet.material is not None and sheet.thickness is not None
+    energy = np.sum(list(results.energy.values()), axis=0)
+    strain: Array = np.sqrt(np.maximum(2 * energy / (sheet.material.E * sheet.thickness * sheet.area), 0.0))
+    return strain
 
 
-def _pictures(results: Results, folder: Path, direction: str) -> list[Path]:
-    from matplotlib import pyplot
+def _warn_of_lock(results: Results, sheet: Sheet, strain: float) -> None:
+    beyond = np.flatnonzero(material_strain(results, sheet) > LOCKED)
+    if beyond.size:
+        reached = 100 * strain * float(results.lam[beyond[0]])
+        warnings.warn(
+            f"at a strain of {reached:.4g} % the material itself is strained by {100 * LOCKED:g} % on average: the "
+            "sheet is locked from about there, and what lies beyond follows a linear law that materials may not",
+            KirigamiWarning,
+            stacklevel=3,
+        )
 
-    from kirigami import plot
 
-    pictures: dict[str, Callable[[], Any]] = {
-        "rest.png": lambda: plot.plot_model(results.model),
-        "deformed.png": lambda: plot.plot_results(results),
-        "force.png": lambda: plot.plot_curve(results, results.node_index("driven_0"), direction),
-    }
-    files = []
-    for name, draw in pictures.items():
-        figure = draw().figure
-        with whole_file(folder / name) as unfinished:
-            figure.savefig(unfinished, dpi=160)
-        pyplot.close(figure)
-        files.append(folder / name)
-    return files
+def _in_silence(note: str) -> None:
+    """In the place of print."""

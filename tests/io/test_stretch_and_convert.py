@@ -14,7 +14,7 @@ from kirigami import units
 from kirigami.drawing.convert import read_drawing, write_drawing
 from kirigami.drawing.drawing import Drawing
 from kirigami.io.convert import export, info, mesh_drawing, write_mesh
-from kirigami.study.stretch import stretch, write_report
+from kirigami.study.report import stretch_drawing, write_report
 
 DRAWINGS = Path(__file__).parents[1] / "data" / "drawings"
 
@@ -75,7 +75,9 @@ def test_a_plain_strip_from_a_drawing_has_the_force_of_its_material(tmp_path: Pa
     """F = E t W strain / (1 - nu^2) at most, at clamped ends, and E t W strain at least; bars have nu = 1/3."""
     outline = shapely.box(0, 0, 0.2, 0.02)
     path = write_drawing(Drawing(outline, (), unit="m"), tmp_path / "strip.dxf")
-    report = stretch(path, thickness="0.1mm", E="2GPa", strain="0.1%", direction="x", max_edge="6mm", imperfection=0)
+    report = stretch_drawing(
+        path, thickness="0.1mm", E="2GPa", strain="0.1%", direction="x", max_edge="6mm", imperfection=0
+    )
     force, uniaxial = report.numbers["last_force"], 2e9 * 1e-4 * 0.02 * 1e-3
     assert 0.95 * uniaxial < force < uniaxial / (1 - 1 / 9)
     assert report.numbers["displacement"] == pytest.approx(2e-4) and report.numbers["free_length"] == pytest.approx(0.2)
@@ -84,7 +86,7 @@ def test_a_plain_strip_from_a_drawing_has_the_force_of_its_material(tmp_path: Pa
 
 def test_ends_that_are_not_straight_are_held_in_strips() -> None:
     outline, cuts = kg.cuts.single_slit_disc(radius=0.03, length=0.0258)
-    report = stretch(Drawing(outline, tuple(cuts)), thickness=3e-5, E=5e9, strain=0.001, max_edge=0.01)
+    report = stretch_drawing(Drawing(outline, tuple(cuts)), thickness=3e-5, E=5e9, strain=0.001, max_edge=0.01)
     assert report.numbers["free_length"] == pytest.approx(0.06 * 0.92)
     assert report.numbers["strain"] == pytest.approx(0.001)
     held = report.results.model.mesh.nodes[report.results.model.index(report.results.model.constraints[0].group)]
@@ -92,7 +94,9 @@ def test_ends_that_are_not_straight_are_held_in_strips() -> None:
 
 
 def test_report_folder(tmp_path: Path) -> None:
-    report = stretch(DRAWINGS / "inkscape_layers_mm.svg", thickness="0.1mm", E="3.5GPa", strain="0.2%", max_edge="15mm")
+    report = stretch_drawing(
+        DRAWINGS / "inkscape_layers_mm.svg", thickness="0.1mm", E="3.5GPa", strain="0.2%", max_edge="15mm"
+    )
     skipped: list[str] = []
     files = write_report(report, tmp_path / "out", say=skipped.append)
     assert all(file.stat().st_size > 0 for file in files)
@@ -108,11 +112,14 @@ def test_report_folder(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     "change, message",
     [
-        ({"direction": "z"}, "direction must be 'x' or 'y'"),
-        ({"strain": "0%"}, "strain must be a finite number other than zero"),
+        ({"direction": "z"}, "direction must be 'x', 'y' or an angle in degrees"),
+        ({"strain": "-100%"}, "would push one grip through the other"),
+        ({"accuracy": "good"}, "accuracy must be 'draft', 'standard', 'fine'"),
+        ({"grip": "-1mm"}, "grip must not be negative"),
+        ({"strain": "0%"}, "strain must be a number other than zero"),
         ({"thickness": "3GPa"}, "unit of stress"),
         ({"thickness": -1e-4}, "thickness must be positive"),
-        ({"grip": "60mm"}, "do not leave a free length in the sheet of 100 mm"),
+        ({"grip": "60mm"}, "60 % of the length at each end do not leave a free length"),
         ({"nu": 0.7}, "nu must lie between"),
     ],
 )
@@ -120,13 +127,13 @@ def test_report_folder(tmp_path: Path) -> None:
 def test_wrong_requests(change: dict, message: str) -> None:
     right = {"thickness": 1e-4, "E": 3e9, "max_edge": 0.05, "strain": 1e-4}
     with pytest.raises(kg.ModelError, match=message):
-        stretch(Drawing(shapely.box(0, 0, 0.1, 0.1), ()), **{**right, **change})
+        stretch_drawing(Drawing(shapely.box(0, 0, 0.1, 0.1), ()), **{**right, **change})
 
 
 def test_doubts_are_said() -> None:
     plate = Drawing(shapely.box(0, 0, 0.1, 0.1), ())
     with pytest.warns(kg.KirigamiWarning, match="outside what sheets are made of"):
-        stretch(plate, thickness=1e-4, E=3.5, strain=1e-4, max_edge=0.05, imperfection=0)
+        stretch_drawing(plate, thickness=1e-4, E=3.5, strain=1e-4, max_edge=0.05, imperfection=0)
 
 
 # ------------------------------------------------------------------------------------------- convert
