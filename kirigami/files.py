@@ -2,20 +2,42 @@
 
 from __future__ import annotations
 
+import errno
 import importlib
+import itertools
 import json
 import os
+import shutil
+import stat
+import tempfile
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any
 
 from kirigami.errors import GeometryError, KirigamiError
 
+_counter = itertools.count()
+
+
+def file_path(path: Any) -> Path:
+    """`path` as a Path, or a KirigamiError where it names no file."""
+    try:
+        named = Path(path)
+    except TypeError:
+        named = None
+    if named is None or "\0" in str(named) or not str(path):
+        raise KirigamiError(f"{path!r} is no name of a file")
+    return named
+
 
 @contextmanager
 def whole_file(path: str | os.PathLike[str]) -> Iterator[Path]:
-    """A path to write to; it takes the name `path` when the block ends well and vanishes when it fails.
+    """A path to write to; its contents get to `path` when the block ends well and vanish when it fails.
+
+    Under the name `path` there is the old file or the new one, never half of one. What is no plain file is written
+    through and stays what it is: a symbolic link goes on pointing to the file behind it, a pipe or a terminal is fed,
+    a file with further names (hard links) keeps them.
 
     Parameters
     ----------
@@ -25,12 +47,13 @@ def whole_file(path: str | os.PathLike[str]) -> Iterator[Path]:
     Yields
     ------
     Path
-        An unfinished neighbour of `path` with the same ending.
+        An unfinished file with the same ending.
 
     Raises
     ------
     KirigamiError
-        `path` is a folder, or lies where nothing can be written.
+        `path` is a folder, a disk or a pipe that nobody reads, or lies where nothing can be written, or the disk is
+        full.
 
     Examples
     --------
@@ -41,18 +64,61 @@ def whole_file(path: str | os.PathLike[str]) -> Iterator[Path]:
     >>> [entry.name for entry in folder.iterdir()]
     ['curve.csv']
     """
-    target = Path(path)
-    if target.is_dir():
-        raise KirigamiError(f"{target} is a folder: give the name of a file")
-    unfinished = target.with_name(f".{target.stem}.{os.getpid()}.part{target.suffix}")
+    target = file_path(path)
+    unfinished: Path | None = None
     try:
-        target.parent.mkdir(parents=True, exist_ok=True)
+        through = _written_through(target)
+        home = Path(tempfile.gettempdir()) if through else Path(os.path.realpath(target)).parent
+        home.mkdir(parents=True, exist_ok=True)
+        # A short name, unlike any other of this or another process, with the ending that some writers go by.
+        unfinished = home / f".{os.getpid()}-{next(_counter)}.part{target.suffix}"
         yield unfinished
-        os.replace(unfinished, target)
+        _hand_over(unfinished, target, through)
     except OSError as error:
         raise KirigamiError(f"cannot write {target}: {error.strerror or error}") from error
     finally:
-        unfinished.unlink(missing_ok=True) if unfinished.parent.is_dir() else None
+        if unfinished is not None:
+            with suppress(OSError):
+                unfinished.unlink(missing_ok=True)
+
+
+def _written_through(target: Path) -> bool:
+    """Whether a path names something that must be fed instead of replaced; raises where it can be neither."""
+    if target.is_dir():
+        raise KirigamiError(f"{str(target)!r} is a folder: give the name of a file")
+    try:
+        found = os.stat(target)
+    except FileNotFoundError:  # nothing there yet, or a link to nothing, behind which the file is made
+        return False
+    if stat.S_ISBLK(found.st_mode) or stat.S_ISSOCK(found.st_mode):
+        raise KirigamiError(f"{target} is a disk or a socket: give the name of a file")
+    if not os.access(target, os.W_OK):
+        raise KirigamiError(f"cannot write {target}: it is write-protected")
+    plain = stat.S_ISREG(found.st_mode)
+    # What /dev/stdout and its like lead to is held open by others: replacing it would hide the contents from them.
+    return not plain or found.st_nlink > 1 or os.path.abspath(target).startswith(("/dev/", "/proc/"))
+
+
+def _hand_over(unfinished: Path, target: Path, through: bool) -> None:
+    with open(unfinished, "r+b") as file:
+        os.fsync(file.fileno())
+    if not through:
+        final = Path(os.path.realpath(target))
+        if final.exists():
+            shutil.copymode(final, unfinished)
+        os.replace(unfinished, final)
+        return
+    fifo = stat.S_ISFIFO(os.stat(target).st_mode)
+    try:
+        handle = os.open(target, os.O_WRONLY | os.O_TRUNC | (os.O_NONBLOCK if fifo else 0))
+    except OSError as error:
+        if fifo and error.errno == errno.ENXIO:
+            raise KirigamiError(f"{target} is a pipe that nobody reads: start its reader first") from None
+        raise
+    if fifo:
+        os.set_blocking(handle, True)
+    with open(handle, "wb") as there, open(unfinished, "rb") as here:
+        shutil.copyfileobj(here, there)
 
 
 def library(name: str, purpose: str, extra: str = "io") -> Any:

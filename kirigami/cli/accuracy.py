@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from kirigami.cli.options import add_command, add_reading, print_json, quantity, reading, speaker
+from kirigami.files import whole_file
 
 DESCRIPTION = """\
 Stretch one sheet on several meshes with every rung of accuracy, from bars and hinges with the
@@ -84,8 +85,10 @@ def run(options: argparse.Namespace) -> int:
         reference=options.reference,
         progress=not options.quiet,
     )
-    (options.folder / "study.md").write_text(f"{study}\n")
-    study.plot().savefig(options.folder / "study.png", dpi=150)
+    with whole_file(options.folder / "study.md") as unfinished:
+        unfinished.write_text(f"{study}\n", encoding="utf-8")
+    with whole_file(options.folder / "study.png") as unfinished:
+        study.plot().savefig(unfinished, dpi=150)
     say(str(study))
     advice = [study.recommend(options.error, name) for name in ("force", "open_area", "height")]
     for line in advice:

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import argparse
-import os
 import time
 from pathlib import Path
 from typing import Any
 
 import kirigami as kg
 from kirigami.cli.options import add_command, print_json, speaker
+from kirigami.files import whole_file
 
 DESCRIPTION = """\
 Stretch a sheet of 2 x 2.4 m with 2 x 5 curved cells (3 mm thick, E = 2.5 GPa, nu = 0.34) by 0.4 m.
@@ -157,15 +157,13 @@ def draw_curves(results: kg.Results, top: Any, strain: Any) -> Any:
 
 
 def save_picture(ax: Any, path: Path) -> Path:
-    """Write the figure of some axes under another name, rename it, and close the figure."""
+    """Write the figure of some axes to a file, and close the figure."""
     from matplotlib import pyplot
 
-    unfinished = path.with_name(f"{path.name}.part")
     try:
-        ax.figure.savefig(unfinished, dpi=200, format="png")
-        os.replace(unfinished, path)
+        with whole_file(path) as unfinished:
+            ax.figure.savefig(unfinished, dpi=200, format="png")
     finally:
-        unfinished.unlink(missing_ok=True)
         pyplot.close(ax.figure)
     return path
 

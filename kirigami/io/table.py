@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from kirigami.errors import AnalysisError
-from kirigami.files import library, whole_file
+from kirigami.files import file_path, library, whole_file
 from kirigami.primitives.kernel import Array
 from kirigami.primitives.node import AXES, Node
 from kirigami.results.results import Results
@@ -109,7 +109,7 @@ def to_csv(
     if not len(results):
         raise AnalysisError("there are no steps to write", results=results)
     columns = curves(results, reactions)
-    target = Path(path)
+    target = file_path(path)
     with whole_file(target) as unfinished, open(unfinished, "w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file)
         writer.writerow(["step", *columns])

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from kirigami.errors import ModelError
+from kirigami.files import whole_file
 from kirigami.plot.style import styled
 from kirigami.primitives.kernel import Array
 
@@ -220,16 +221,14 @@ def animate_path(
         ax.set_axis_off()
         return []
 
-    target = Path(file)
-    target.parent.mkdir(parents=True, exist_ok=True)
-    unfinished = target.with_name("." + target.stem + ".part.gif")
     try:
-        FuncAnimation(figure, draw, frames=len(shown)).save(unfinished, writer=PillowWriter(fps=fps))
-        os.replace(unfinished, target)
+        with whole_file(file) as unfinished:
+            named = unfinished.with_suffix(".gif")  # the writer goes by the ending
+            FuncAnimation(figure, draw, frames=len(shown)).save(named, writer=PillowWriter(fps=fps))
+            os.replace(named, unfinished)
     finally:
         plt.close(figure)
-        unfinished.unlink(missing_ok=True)
-    return target
+    return Path(file)
 
 
 def _field(tiling: Tiling, u: ArrayLike) -> Array:

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from kirigami.errors import ModelError
-from kirigami.files import library, whole_file
+from kirigami.files import file_path, library, whole_file
 from kirigami.plot import style
 from kirigami.plot.deformed import Field, Picture, chosen_view, displaced, frame, suitable_axes
 
@@ -84,7 +84,7 @@ def animate(
     ...     kg.LoadControl(m).run().animate(folder + "/pull.gif", frames=2).name
     'pull.gif'
     """
-    target = Path(path)
+    target = file_path(path)
     ending = target.suffix.lower()
     if ending not in WRITERS:
         raise ModelError(f"animate writes {' and '.join(WRITERS)} files, not {target.name!r}")

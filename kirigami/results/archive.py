@@ -15,6 +15,7 @@ import numpy as np
 
 from kirigami.elements.stiffness import Calibration, SheetConstants
 from kirigami.errors import AnalysisError
+from kirigami.files import whole_file
 from kirigami.primitives.material import Material
 from kirigami.results.results import Results
 from kirigami.results.step import Event, Step
@@ -39,8 +40,24 @@ KERNELS = {
 
 
 def save(results: Results, path: str | os.PathLike[str]) -> Path:
-    """Write `results` to a compressed file."""
-    return write(Path(path), pack(results))
+    """Write everything to one compressed file that :func:`kirigami.load` reads back; never a partial file.
+
+    Parameters
+    ----------
+    path : path
+        The file, by custom ending in .npz.
+
+    Raises
+    ------
+    KirigamiError
+        The file cannot be written.
+    AnalysisError
+        An effect of the model does not say how to save itself.
+    """
+    try:
+        return write(path, pack(results))
+    except NotImplementedError as error:
+        raise AnalysisError(f"these results cannot be saved: {error}", results=results) from None
 
 
 def pack(results: Results, with_kernels: bool = True) -> dict[str, Any]:
@@ -109,19 +126,11 @@ def pack(results: Results, with_kernels: bool = True) -> dict[str, Any]:
     return {"head": np.array(json.dumps(head)), **arrays}
 
 
-def write(target: Path, arrays: dict[str, Any], compressed: bool = True) -> Path:
-    """Write named arrays under another name and then rename, so that a file is the old one or the new one, whole."""
-    target.parent.mkdir(parents=True, exist_ok=True)
-    unfinished = target.with_name(target.name + ".part")
-    try:
-        with open(unfinished, "wb") as file:
-            (np.savez_compressed if compressed else np.savez)(file, **arrays)
-            file.flush()
-            os.fsync(file.fileno())
-        os.replace(unfinished, target)
-    finally:
-        unfinished.unlink(missing_ok=True)
-    return target
+def write(path: str | os.PathLike[str], arrays: dict[str, Any], compressed: bool = True) -> Path:
+    """Write named arrays to a file."""
+    with whole_file(path) as unfinished, open(unfinished, "wb") as file:
+        (np.savez_compressed if compressed else np.savez)(file, **arrays)
+    return Path(path)
 
 
 def read(path: str | os.PathLike[str]) -> tuple[dict[str, Any], dict[str, Any]]:
@@ -133,8 +142,12 @@ def read(path: str | os.PathLike[str]) -> tuple[dict[str, Any], dict[str, Any]]:
         version = head["format"]
     except FileNotFoundError:
         raise AnalysisError(f"no results file at {path}") from None
-    except (OSError, ValueError, KeyError, EOFError, TypeError, zipfile.BadZipFile, zlib.error) as error:
-        raise AnalysisError(f"{path} is not a results file of this package, or it is damaged ({error})") from None
+    except OSError as error:
+        raise AnalysisError(f"cannot read {path}: {error.strerror or error}") from None
+    except (ValueError, KeyError, EOFError, TypeError, AttributeError, zipfile.BadZipFile, zlib.error):
+        raise AnalysisError(
+            f"{path} is not a results file of this package, or it is damaged: results files are what Results.save wrote"
+        ) from None
     if version not in range(1, FORMAT + 1):
         raise AnalysisError(f"{path} has file format {version!r}, this version of kirigami reads formats 1 to {FORMAT}")
     return head, data

@@ -20,6 +20,7 @@ from kirigami.analysis.modes import Mode
 from kirigami.analysis.path.follow import PathAnalysis
 from kirigami.analysis.path.methods import DisplacementControl
 from kirigami.errors import KirigamiError, KirigamiWarning, ModelError
+from kirigami.files import whole_file
 from kirigami.model.model import Model
 from kirigami.primitives.checks import require_positive
 from kirigami.primitives.kernel import Array
@@ -126,7 +127,7 @@ class ImperfectionStudy:
         names = [field.name for field in fields(Case)]
         rows = [astuple(case) for case in self.cases]
         if path is not None:
-            with open(path, "w", newline="", encoding="utf-8") as file:
+            with whole_file(path) as unfinished, open(unfinished, "w", newline="", encoding="utf-8") as file:
                 csv.writer(file).writerows([names, *rows])
         return {name: [row[k] for row in rows] for k, name in enumerate(names)}
 
