@@ -9,15 +9,14 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from kirigami.elements.bar import Bar
-from kirigami.elements.bend_hinge import BendHinge
 from kirigami.errors import ModelError
-from kirigami.model.constraints import Constraint, Prescribe
+from kirigami.model.constraints import Constraint, Fix, Prescribe
 from kirigami.model.loads import NodalLoad
 from kirigami.model.model import Model
 from kirigami.primitives.kernel import Array
 from kirigami.primitives.material import Material
 from kirigami.primitives.node import AXES
+from kirigami.results.supports import named
 
 
 @dataclass(eq=False)
@@ -65,7 +64,7 @@ def shell_of(model: Model, owner: str) -> Shell:
     Parameters
     ----------
     model : Model
-        Made by ``Model.from_mesh``, in three dimensions, with supports and nodal loads only.
+        Made by ``Model.from_mesh`` with any `stiffness`, in three dimensions, with supports and nodal loads only.
     owner : str
         Who asks, for messages.
 
@@ -87,23 +86,25 @@ def shell_of(model: Model, owner: str) -> Shell:
     if model.mesh is None or model.sheet_constants is None or model.dim != 3:
         raise ModelError(f"{owner} needs a three-dimensional model made by Model.from_mesh")
     _check_elements(model, owner)
+    mesh = model.mesh
     shell = Shell(
-        model.positions(), model.mesh.triangles, model.sheet_constants.thickness, model.sheet_constants.material
+        model.positions()[: len(mesh.nodes)],
+        mesh.triangles,
+        model.sheet_constants.thickness,
+        model.sheet_constants.material,
     )
     clamped: set[int] = set()
-    counts: Counter[str] = Counter()
-    boundary = model.mesh.edges[model.mesh.boundary_edges]
-    for item in model.constraints:
+    boundary = mesh.edges[mesh.boundary_edges]
+    for name, item in named(model.constraints):
         _hold(shell, model, item, owner)
-        kind = "driven" if isinstance(item, Prescribe) and not item.constant else "fixed"
-        group = model.index(item.group)
-        shell.sets[f"{kind}_{counts[kind]}"] = group
-        counts[kind] += 1
+        group = _on_sheet(shell, model.index(item.group), item, owner)
+        shell.sets[name] = group
         if item.clamp:
-            clamped.update(boundary[np.isin(boundary, group).all(axis=1)].ravel().tolist())
+            for corners in (boundary, mesh.triangles):  # edges keep their slope, facets that are held as a whole, too
+                clamped.update(corners[np.isin(corners, group).all(axis=1)].ravel().tolist())
     shell.clamped = np.array(sorted(clamped), dtype=np.int64)
     for load in model.loads:
-        for node in model.index(load.group).tolist():
+        for node in _on_sheet(shell, model.index(load.group), load, owner).tolist():
             for axis, force in enumerate(load.force):
                 if force:
                     constant, driven = shell.loads.get((node, axis), (0.0, 0.0))
@@ -112,24 +113,38 @@ def shell_of(model: Model, owner: str) -> Shell:
 
 
 def _check_elements(model: Model, owner: str) -> None:
-    assert model.mesh is not None
-    edges, inner = len(model.mesh.edges), int((model.mesh.edge_facets[:, 1] >= 0).sum())
-    kinds = Counter(type(item) for item in [*model.elements, *model.loads, *model.effects])
-    extra = [f"{number} {kind.__name__}" for kind, number in kinds.items() if kind not in (Bar, BendHinge, NodalLoad)]
-    if kinds[Bar] > edges or kinds[BendHinge] > inner:
-        extra.append(f"{kinds[Bar] - edges} Bar and {kinds[BendHinge] - inner} BendHinge beyond those of the mesh")
-    if extra:
-        raise ModelError(f"{owner} cannot hand over {', '.join(extra)}: only the sheet, its supports and nodal loads")
+    """The model must be the sheet as meshed: what a shell of the same mesh would not know of is refused."""
+    sheet = {id(item) for item in model.sheet_elements}
+    there = {id(item) for item in model.elements}
+    gone = Counter(type(item).__name__ for item in model.sheet_elements if id(item) not in there)
+    others = [item for item in model.elements if id(item) not in sheet]
+    others += [item for item in (*model.loads, *model.effects) if type(item) is not NodalLoad]
+    beyond = Counter(type(item).__name__ for item in others)
+    wrong = [f"{number} {kind} beyond the sheet" for kind, number in beyond.items()]
+    wrong += [f"the sheet without {number} {kind} of its own" for kind, number in gone.items()]
+    if wrong:
+        raise ModelError(
+            f"{owner} cannot hand over {', '.join(wrong)}: it writes shell triangles, one for each facet of the mesh, "
+            "with supports and nodal loads only"
+        )
+
+
+def _on_sheet(shell: Shell, nodes: NDArray[np.int64], item: object, owner: str) -> NDArray[np.int64]:
+    if nodes.max(initial=0) >= len(shell.nodes):
+        raise ModelError(f"{owner} cannot hand over {item!r}: it is on nodes that are not of the sheet")
+    return nodes
 
 
 def _hold(shell: Shell, model: Model, item: Constraint, owner: str) -> None:
-    if item.leaders:
+    if type(item) not in (Fix, Prescribe):
         raise ModelError(f"{owner} cannot hand over {item!r}: only Fix and Prescribe")
     if item.clamp and "z" not in item.values:
         raise ModelError(f"{owner} cannot hand over {item!r} with clamp=True, since it leaves z free")
     group = model.index(item.group).tolist()
     for letter, values in item.values.items():
         for node, value in zip(group, values.tolist()):
+            if (node, AXES.index(letter)) in shell.held:
+                raise ModelError(f"{owner}: {item!r} holds {letter} of node {node} once more: constrain it once")
             shell.held[node, AXES.index(letter)] = (value, 0.0) if item.constant else (0.0, value)
 
 

@@ -138,7 +138,7 @@ def test_what_cannot_be_handed_over_is_refused(write, tmp_path: Path) -> None:
     path = tmp_path / "model"
     m = pulled()
     for item, message in (
-        (kg.Bar(m.nodes[0], m.nodes[30], EA=1.0), "1 Bar and 0 BendHinge beyond"),
+        (kg.Bar(m.nodes[0], m.nodes[30], EA=1.0), "1 Bar beyond the sheet"),
         (kg.Tie(m.nodes[15], m.nodes[16], "y"), "Tie.* only Fix and Prescribe"),
     ):
         m.add(item)
@@ -153,6 +153,60 @@ def test_what_cannot_be_handed_over_is_refused(write, tmp_path: Path) -> None:
         write(m, path, increments=0)
     with pytest.raises(kg.ModelError, match="element must be one of S3"):
         to_abaqus(m, path, element="S4")
+    assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize("write", [to_abaqus, to_openseespy])
+@pytest.mark.parametrize("rung", kg.stiffness.RUNGS)
+def test_the_sheet_is_handed_over_whatever_its_elements(rung: str, write, tmp_path: Path) -> None:
+    """Nothing of the rung is in the file: it is the same for all, perturbed and supported alike."""
+    texts = []
+    for stiffness in ("plate", rung):
+        m = kg.Model.from_mesh(equilateral_strip(4, 2), 0.02, MATERIAL, stiffness=stiffness)
+        m.perturb(np.linspace(0, 0.1, len(m.mesh.nodes)))
+        m.add(kg.Fix(m.select(boundary="left"), clamp=True), kg.Prescribe(m.select(boundary="right"), z=0.1))
+        m.add(kg.NodalLoad(m.select(boundary="top"), (0, 0, 1.0)))
+        texts.append(write(m, tmp_path / "sheet").read_text())
+    assert texts[1] == texts[0]
+
+
+@pytest.mark.parametrize("write", [to_abaqus, to_openseespy])
+@pytest.mark.parametrize("rung", kg.stiffness.RUNGS)
+def test_a_model_that_is_not_the_sheet_is_refused(rung: str, write, tmp_path: Path) -> None:
+    """A sheet with elements gone, swapped, or added is not what a shell on its mesh would be."""
+
+    def fresh() -> kg.Model:
+        m = kg.Model.from_mesh(equilateral_strip(4, 2), 0.02, MATERIAL, stiffness=rung)
+        m.add(kg.Fix(m.select(boundary="left")), kg.Prescribe(m.select(boundary="right"), x=0.1))
+        return m
+
+    def gone(m: kg.Model) -> None:
+        m.remove(*m.elements[:5])
+
+    def swapped(m: kg.Model) -> None:
+        m.remove(m.elements[0])
+        m.add(kg.Bar(m.nodes[0], m.nodes[2], 1e9))
+
+    def tendon(m: kg.Model) -> None:
+        m.add(kg.Bar(m.nodes[0], m.nodes[3], 1e9))
+
+    def contact(m: kg.Model) -> None:
+        m.add(kg.Contact(m.nodes[7], kg.Plane((0, 0, -1))))
+
+    def grip(m: kg.Model) -> None:
+        node = m.add(kg.Node(9, 9))
+        m.add(kg.Fix(node))
+
+    write(fresh(), tmp_path / "whole").unlink()
+    for edit in (gone, swapped, tendon, contact, grip):
+        m = fresh()
+        edit(m)
+        with pytest.raises(kg.ModelError, match="cannot hand over"):
+            write(m, tmp_path / edit.__name__)
+    m = fresh()
+    m.remove(m.elements[0])
+    m.add(m.sheet_elements[0])  # what comes back is the sheet's own
+    write(m, tmp_path / "back").unlink()
     assert not list(tmp_path.iterdir())
 
 

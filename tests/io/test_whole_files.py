@@ -191,7 +191,8 @@ def test_two_threads_may_write_one_file(tmp_path: Path) -> None:
 def test_results_read_from_something_else(tmp_path: Path) -> None:
     text = tmp_path / "notes.npz"
     text.write_text("shopping list\n")
-    for path, words in ((text, "not a results file"), (tmp_path, "cannot read"), (tmp_path / "no.npz", "no results file")):
+    cases = ((text, "not a results file"), (tmp_path, "cannot read"), (tmp_path / "no.npz", "no results file"))
+    for path, words in cases:
         with pytest.raises(kg.AnalysisError, match=words) as told:
             kg.load(path)
         assert "allow_pickle" not in str(told.value)
