@@ -9,9 +9,12 @@ import numpy as np
 from kirigami.analysis.base import Analysis, Run, require_drive
 from kirigami.analysis.modes import Modes, nodal_shape
 from kirigami.errors import AnalysisError, ModelError
-from kirigami.linalg import Factor
+from kirigami.linalg import SingularMatrixError, critical_factors
 from kirigami.model.model import Model
 from kirigami.primitives.kernel import Array, Tangent
+from kirigami.system.system import System
+
+NO_STRESS = 1e-12  # geometric over elastic stiffness, at displacements of a member's length, that is rounding
 
 
 class Buckling(Analysis):
@@ -72,46 +75,48 @@ class Buckling(Analysis):
         with system.clock("solve"):
             constant = factor.solve(-system.reduce(forces + held))
             rate = factor.solve(-system.load_rate(rest, 0.0, blocks))
-        matrices = []
-        for lam in (0.0, 1.0):
-            ahead = Tangent(ahead=(rest, system.displacement(constant + lam * rate, lam)))
-            matrices.append(system.matrix(system.stiffness_blocks(rest, lam, ahead)))
-        stiffness = matrices[0]
-        geometric = (matrices[1] - stiffness).tocsc()
-        factor = run.factorize(stiffness)
-        if factor.negative:
+        stiffness = self._prestressed(system, constant, rate, 0.0)
+        try:
+            factor = run.factorize(stiffness)
+            unstable = factor.negative > 0
+        except SingularMatrixError:
+            unstable = True
+        if unstable:
             raise AnalysisError("Buckling: the constant loads alone already make the structure buckle")
-        # In the inverse load factors the lowest buckling loads are the extreme eigenvalues, and K is the only factor.
-        with system.clock("eigenpairs"):
-            inverse, vectors = largest_eigenpairs(-geometric, stiffness, self.n, factor)
-        scale = float(np.abs(geometric.data).max(initial=0.0) / np.abs(stiffness.data).max())
-        found = inverse > 1e-10 * scale
-        if not found.any():
+        geometric, scale = self._geometric(system, stiffness, constant, rate)
+        values = np.empty(0)
+        if geometric is not None:
+            with system.clock("eigenpairs"):
+                values, vectors = critical_factors(stiffness, geometric, self.n, factor, run.factorize)
+        if not len(values):
             raise AnalysisError(
-                "Buckling: no positive load factor makes this structure buckle; is the drive the other way round?"
+                "Buckling: no positive load factor makes this structure buckle, because nothing in it is compressed; "
+                "is the drive the other way round?"
             )
         run.finish()
-        shapes = [nodal_shape(system, vector) for vector in vectors.T[found]]
-        return Modes(1.0 / inverse[found], np.array(shapes))
+        return Modes(scale * values, np.array([nodal_shape(system, vector) for vector in vectors.T]))
 
+    @staticmethod
+    def _prestressed(system: System, constant: Array, rate: Array, lam: float) -> Any:
+        """Stiffness at rest with the stress that the linear solution has at a load factor."""
+        rest = np.zeros_like(system.rest)
+        ahead = Tangent(ahead=(rest, system.displacement(constant + lam * rate, lam)))
+        return system.matrix(system.stiffness_blocks(rest, lam, ahead))
 
-def largest_eigenpairs(matrix: Any, mass: Any, count: int, factor: Factor, tol: float = 1e-10) -> tuple[Array, Array]:
-    """Largest eigenvalues of ``matrix v = value mass v`` (descending) and their vectors (n, count), by Lanczos.
+    def _geometric(self, system: System, stiffness: Any, constant: Array, rate: Array) -> tuple[Any, float]:
+        """Change of the stiffness with the load, as large as the stiffness itself, and the load factor that makes it.
 
-    `mass` is positive definite and `factor` is its factor; small problems are solved densely.
-    """
-    n = matrix.shape[0]
-    if n <= 400 or count >= n - 1:
-        from scipy.linalg import eigh
-
-        values, vectors = eigh(matrix.toarray(), mass.toarray())
-    else:
-        from scipy.sparse.linalg import LinearOperator, eigsh
-
-        inverse = LinearOperator((n, n), matvec=factor.solve, dtype=float)
-        start = np.random.default_rng(0).normal(size=n)  # a fixed start makes the modes repeatable
-        values, vectors = eigsh(
-            matrix, k=count, M=mass, Minv=inverse, which="LA", v0=start, tol=tol, ncv=max(2 * count + 1, 20)
-        )
-    order = np.argsort(values)[::-1][:count]
-    return values[order], vectors[:, order]
+        At that size no digits are lost in the difference. None where the drive makes no stress.
+        """
+        change = system.displacement(rate, 1.0) - system.displacement(np.zeros_like(rate), 0.0)
+        scale = 1.0 / (system.largest_rotation(change) or 1.0)
+        largest = float(np.abs(stiffness.data).max())
+        for _ in range(2):
+            geometric = (self._prestressed(system, constant, rate, scale) - stiffness).tocsc()
+            size = float(np.abs(geometric.data).max(initial=0.0)) / largest
+            if size < NO_STRESS:
+                return None, scale
+            if 0.1 < size < 10.0:
+                break
+            scale /= size
+        return geometric, scale

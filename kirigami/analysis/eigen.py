@@ -2,21 +2,17 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 from numpy.typing import ArrayLike
 
 from kirigami.analysis.base import Analysis, Run
-from kirigami.analysis.modes import Modes, first_largest
+from kirigami.analysis.modes import Modes, nodal_shape
 from kirigami.errors import ModelError
-from kirigami.linalg import Factor, SingularMatrixError, inverse_iteration, smallest_eigenpairs
+from kirigami.linalg import lowest_eigenpairs
 from kirigami.model.model import Model
 from kirigami.primitives.kernel import Array
 from kirigami.results.step import Step
-from kirigami.system.system import System
-
-FAR, ROUNDING = 30.0, 1e-5  # lowest eigenvalues over the shift: below the first it is too far, below the second noise
+from kirigami.system.supports import rigid_unknowns
 
 
 class Eigen(Analysis):
@@ -74,56 +70,24 @@ class Eigen(Analysis):
             u, lam = system.joined(self.about.u, self.about.inner), self.about.lam
             system.history = self.about.history
         matrix = system.matrix(system.stiffness_blocks(u, lam))
-        weight = system.reduce(np.repeat(self._nodal_mass(system)[:, None], system.dim, axis=1))
-        mass = diags(weight, format="csc")
-        # Just below zero, so that a free body can be factorised; far below the stiffness, so that it costs no digits.
-        shift = -1e-8 * float(np.median(matrix.diagonal() / weight))
-        if self.about is not None:
-            shift = self._below_negative(run, matrix, mass, shift)
-        try:
-            factor = run.factorize((matrix - shift * mass).tocsc())
-            if self.about is None:
-                shift, factor = self._nearer(run, matrix, mass, shift, factor)
-        except SingularMatrixError:
-            factor = run.factorize((matrix - 1.7 * shift * mass).tocsc())
+        nodal = np.zeros(len(system.rest))  # rows behind the nodes follow without inertia
+        nodal[: system.points] = self._nodal_mass(system.points)
+        weight = system.reduce(np.repeat(nodal[:, None], system.dim, axis=1))
+        massive = int(np.count_nonzero(weight))
+        if self.n > massive:
+            raise ModelError(f"Eigen: {self.n} modes asked for, but only {massive} unknowns of the model have mass")
         with system.clock("eigenpairs"):
-            values, vectors = smallest_eigenpairs(matrix, mass, self.n, shift, factor)
-        shapes = np.zeros((self.n, len(system.rest), 3))
-        for shape, vector in zip(shapes, vectors.T):
-            shape[:, : system.dim] = system.displacement(vector, 0.0) - system.displacement(0 * vector, 0.0)
-            shape /= np.abs(shape).max() * np.sign(shape.ravel()[first_largest(shape.ravel())])
+            rigid = rigid_unknowns(system, u, matrix)
+            values, vectors = lowest_eigenpairs(matrix, diags(weight, format="csc"), self.n, rigid, run.factorize)
         run.finish()
-        return Modes(values, shapes)
+        return Modes(values, np.array([nodal_shape(system, vector) for vector in vectors.T]))
 
-    def _nearer(
-        self, run: Run, matrix: Any, mass: Any, shift: float, factor: Factor
-    ) -> tuple[float, Factor]:
-        """A shift nearer to zero where the lowest eigenvalues are far smaller, which would look alike from afar.
-
-        A few inverse iterations tell their size; for a free body that is rounding, and the shift stays.
-        """
-        _, vector = inverse_iteration(factor, run.system.free, 4)
-        size = float(vector @ (matrix @ vector)) / float(vector @ (mass @ vector))
-        if not ROUNDING * abs(shift) < size < FAR * abs(shift):
-            return shift, factor
-        return -0.01 * size, run.factorize((matrix + 0.01 * size * mass).tocsc())
-
-    def _below_negative(self, run: Run, matrix: Any, mass: Any, shift: float) -> float:
-        """A shift below the lowest eigenvalue of a loaded state, by doubling until no pivot is negative."""
-        for _ in range(60):
-            try:
-                if run.factorize((matrix - shift * mass).tocsc()).negative == 0:
-                    return shift
-            except SingularMatrixError:
-                pass
-            shift *= 4.0
-        return shift
-
-    def _nodal_mass(self, system: System) -> Array:
-        n = len(system.rest)
+    def _nodal_mass(self, n: int) -> Array:
         if isinstance(self.mass, str):
             if self.mass == "unit":
-                return np.ones(n)
+                mass = np.ones(n)
+                mass[self.model.normals[1]] = 0.0  # tips of normals are no points of the structure
+                return mass
             if self.mass != "lumped":
                 raise ModelError(f"Eigen: mass {self.mass!r} is unknown: use 'unit', 'lumped' or one value per node")
             constants, mesh = self.model.sheet_constants, self.model.mesh

@@ -13,7 +13,8 @@ from typing import Any
 
 from kirigami.errors import AnalysisError
 from kirigami.linalg.checked import Factor, SingularMatrixError, Solver
-from kirigami.linalg.eigenpairs import inverse_iteration, smallest_eigenpairs
+from kirigami.linalg.critical import critical_factors
+from kirigami.linalg.eigenpairs import inverse_iteration, lowest_eigenpairs
 from kirigami.linalg.multifrontal import Multifrontal
 from kirigami.linalg.rslab_solver import Rslab
 from kirigami.linalg.superlu import SuperLU
@@ -27,11 +28,12 @@ __all__ = [
     "SingularMatrixError",
     "Solver",
     "SuperLU",
+    "critical_factors",
     "factorize",
     "inverse_iteration",
+    "lowest_eigenpairs",
     "make_solver",
     "one_thread",
-    "smallest_eigenpairs",
 ]
 
 BACKENDS: dict[str, Callable[[], Solver]] = {"multifrontal": Multifrontal, "superlu": SuperLU, "rslab": Rslab}

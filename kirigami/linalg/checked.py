@@ -10,8 +10,10 @@ from kirigami.errors import KirigamiError
 from kirigami.primitives.kernel import Array
 
 REFINE_ABOVE = 1e-10  # residual over right-hand side that calls for a step of refinement
-PIVOT_ABOVE = 1e-6  # ... and for a new factorisation with pivoting
+PIVOT_ABOVE = 1e-6  # ... and for a second look, or a new factorisation with pivoting
 SINGULAR_ABOVE = 1e-3  # ... and shows, after that, that nothing helps
+ROUNDED = 1e-12  # residual over its terms, entry by entry, that rounding explains
+NO_WORK = 1e-14  # work of a right-hand side over that of the terms one by one, below which rounding makes it all
 
 
 class SingularMatrixError(KirigamiError):
@@ -54,6 +56,11 @@ class CheckedFactor:
 
     No back end exchanges rows as freely as stability asks for, because free exchange costs speed. So every solution is
     held against the matrix, refined once where it needs it, and done again with full pivoting where it is bad.
+
+    Bad does not mean a residual that is large against the right-hand side: a soft body moves far under small forces,
+    and the residual is the rounding of the terms K x, which are as large as x is. It is bad where its backward error
+    is, that is where no matrix within rounding has this solution (Oettli and Prager, Numer. Math. 6 (1964)), or where
+    the motion costs no more than rounding, as in a mechanism.
     """
 
     backend = ""
@@ -79,14 +86,22 @@ class CheckedFactor:
         if self._pivoting is None:
             with np.errstate(all="ignore"):
                 refined, error = self._refined(rhs, REFINE_ABOVE * size)
-            if error <= PIVOT_ABOVE * size:
+            if error <= PIVOT_ABOVE * size or self._explained(rhs, refined):
                 return refined
             self.negative  # counted before the factor that tells it is replaced  # noqa: B018
             self._pivoting = factorize_with_pivoting(self.matrix)
         solution: Array = self._pivoting.solve(rhs)
-        if not np.linalg.norm(rhs - self.matrix @ solution) <= SINGULAR_ABOVE * size:
+        error = float(np.linalg.norm(rhs - self.matrix @ solution))
+        if not error <= SINGULAR_ABOVE * size and not self._explained(rhs, solution):
             raise SingularMatrixError("the stiffness matrix is singular to working precision")
         return solution
+
+    def _explained(self, rhs: Array, solution: Array) -> bool:
+        """Whether the residual of a solution is nothing but rounding, and the motion is held by more than that."""
+        terms = abs(self.matrix) @ np.abs(solution)
+        residual = np.abs(rhs - self.matrix @ solution)
+        rounded = bool((residual <= ROUNDED * (terms + np.abs(rhs))).all())
+        return rounded and abs(float(rhs @ solution)) > NO_WORK * float(np.abs(solution) @ terms)
 
     def _refined(self, rhs: Array, enough: float) -> tuple[Array, float]:
         """A solution and the size of its residual, after one step of refinement if that helps."""

@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from kirigami.system.system import System
 
 FREE = 1e-14  # energy of a motion over that of its members one by one; rounding leaves about 1e-16
+AT_REST = 1e-10  # forces that a rigid motion calls for over those of its terms, below which it costs nothing
 
 
 def connected_parts(system: System) -> list[Index]:
@@ -39,17 +40,16 @@ def connected_parts(system: System) -> list[Index]:
     return [np.flatnonzero(label == part) for part in range(count)]
 
 
-def free_rigid_motions(system: System) -> tuple[str, list[int], str] | None:
-    """The first part with free rigid motions: the motion, its nodes, and a message in words; None if all are held."""
-    parts = connected_parts(system)
-    for part in parts:
-        fields, names = rigid_fields(system, part)
-        nodes = part[part < system.points]
+class _PartMotions:
+    """Which rigid motions of one part its supports allow, about displacements `u` (n, dim)."""
+
+    def __init__(self, system: System, part: Index, u: Array) -> None:
+        fields, self.names = rigid_fields(system, part, u)
         motions = fields.reshape(len(fields), -1)
         # The motion that the constraints allow is the part of the field that T can carry; what is left over is held.
         full = np.zeros((len(motions), system.rest.size))
-        at = (part[:, None] * system.dim + np.arange(system.dim)).ravel()
-        full[:, at] = motions
+        self.at = (part[:, None] * system.dim + np.arange(system.dim)).ravel()
+        full[:, self.at] = motions
         allowed = np.zeros_like(full)
         moving = system.unknown >= 0
         allowed[:, moving] = full[:, system.leader[moving]]
@@ -59,26 +59,57 @@ def free_rigid_motions(system: System) -> tuple[str, list[int], str] | None:
         basis = basis @ tall.T
         rank = int(np.sum(sizes > 1e-9 * sizes[0])) if sizes[0] > 0 else 0
         # Coordinates in an orthonormal basis of the part's true motions (a straight chain has no spin of its own).
-        coordinates = motions @ basis[:rank].T
-        violation = np.linalg.pinv(coordinates) @ (full - allowed)[:, at]
-        rows = [violation.T, _resistance(system, basis[:rank], at)]
-        _, held, directions = np.linalg.svd(np.linalg.qr(np.concatenate(rows), mode="r"))
-        free = directions[held <= 1e-9]
-        if not len(free):
-            continue
-        said = []
-        for coordinate, name in zip(coordinates, names):
-            unit = coordinate / (np.linalg.norm(coordinate) or 1.0)
-            if np.linalg.norm(coordinate) > 1e-9 and np.linalg.norm(free @ unit) > 1 - 1e-6:
-                said.append(name)
-        if len(said) < len(free):
+        self.basis = basis[:rank]
+        self.coordinates = motions @ self.basis.T
+        violation = np.linalg.pinv(self.coordinates) @ (full - allowed)[:, self.at]
+        rows = [violation.T, _resistance(system, self.basis, self.at, u)]
+        _, self.held, directions = np.linalg.svd(np.linalg.qr(np.concatenate(rows), mode="r"))
+        self.free = directions[self.held <= 1e-9]
+
+        unit = self.coordinates / np.maximum(np.linalg.norm(self.coordinates, axis=1, keepdims=True), 1e-300)
+        self._pure = [
+            row
+            for row, coordinate in enumerate(self.coordinates)
+            if np.linalg.norm(coordinate) > 1e-9 and np.linalg.norm(self.free @ unit[row]) > 1 - 1e-6
+        ]
+        self._motions = motions
+
+    @property
+    def fields(self) -> Array:
+        """A basis of the motions that are free, (motions, displacements of the part): translations and rotations as
+        they are where they are free by themselves, since a mixture of bending and stretching drowns the one."""
+        pure = self.coordinates[self._pure] @ self.free.T  # in the coordinates of the free motions
+        left = self.free
+        if len(pure):
+            _, sizes, rows = np.linalg.svd(pure)
+            pure_rank = int(np.sum(sizes > 1e-9 * sizes[0]))
+            left = rows[pure_rank:] @ self.free
+            if pure_rank < len(pure):  # motions that are not independent, as all of those of one point
+                return np.asarray(np.concatenate([rows[:pure_rank] @ self.free, left]) @ self.basis)
+        return np.concatenate([self._motions[self._pure], left @ self.basis])
+
+    def in_words(self) -> str:
+        """The names of the motions that are free."""
+        said = [self.names[row] for row in self._pure]
+        if len(said) < len(self.free):
             said.append("a rotation about an axis through its supports" if not said else "combinations of these")
-        motion = ", ".join(said)
+        return ", ".join(said)
+
+
+def free_rigid_motions(system: System) -> tuple[str, list[int], str] | None:
+    """The first part with free rigid motions: the motion, its nodes, and a message in words; None if all are held."""
+    parts = connected_parts(system)
+    for part in parts:
+        found = _PartMotions(system, part, np.zeros_like(system.rest))
+        if not len(found.free):
+            continue
+        nodes = part[part < system.points]
+        motion = found.in_words()
         where = "the structure" if len(parts) == 1 else (
             f"a part of {len(nodes)} nodes (one of {len(parts)}) around "
             f"({', '.join(f'{c:.6g}' for c in system.rest[nodes].mean(axis=0))})"
         )
-        support = "it has no support" if not held.any() else "its supports do not hold it"
+        support = "it has no support" if not found.held.any() else "its supports do not hold it"
         message = (
             f"{where} can move as a rigid body: {motion}; {support}. "
             "Add Fix or Prescribe objects that stop the motion named."
@@ -87,10 +118,12 @@ def free_rigid_motions(system: System) -> tuple[str, list[int], str] | None:
     return None
 
 
-def rigid_fields(system: System, part: Index) -> tuple[Array, list[str]]:
-    """Rigid motions of a part, on all its rows (motions, rows, dim) of size about 1, and their names."""
+def rigid_fields(system: System, part: Index, u: Array) -> tuple[Array, list[str]]:
+    """Rigid motions of a part about displacements `u`, on all its rows (motions, rows, dim) of size about 1, and their
+    names."""
     nodes = part[part < system.points]
-    points = system.rest[nodes]
+    here = system.rest + u
+    points = here[nodes]
     fields, names = rigid_motions(points)
     if len(nodes) == len(part) or system.edges is None:
         return fields, names
@@ -98,20 +131,45 @@ def rigid_fields(system: System, part: Index) -> tuple[Array, list[str]]:
     full = np.zeros((len(fields), *system.rest.shape))
     full[:, nodes] = fields
     for axis in range(3):
-        system.edges.turn(system.rest, rate * np.eye(3)[axis], full[3 + axis])
+        system.edges.turn(here, rate * np.eye(3)[axis], full[3 + axis])
     return full[:, part], names
 
 
-def _resistance(system: System, motions: Array, at: Index) -> Array:
+def rigid_unknowns(system: System, u: Array, matrix: Any) -> Array:
+    """Rigid motions (free, motions) about displacements `u` (n, dim) that cost nothing, part by part.
+
+    What the supports allow still costs something where loads, contacts or the stress of a state out of balance turn
+    along or not: the stiffness `matrix` of the state has the last word.
+    """
+    found = []
+    for part in connected_parts(system):
+        motions = _PartMotions(system, part, u)
+        if len(motions.free):
+            full = np.zeros((len(motions.free), system.rest.size))
+            full[:, motions.at] = motions.fields
+            found.append(full[:, system.heads])
+    if not found:
+        return np.zeros((system.free, 0))
+    fields = np.concatenate(found).T
+    terms = np.linalg.norm(abs(matrix) @ np.abs(fields), axis=0)
+    fields = fields / np.where(terms == 0, 1.0, terms)
+    forces = matrix @ fields
+    still = np.linalg.norm(forces, axis=0) <= AT_REST
+    # Among those that cost something by themselves there may be mixtures that do not.
+    _, cost, directions = np.linalg.svd(np.linalg.qr(forces[:, ~still], mode="r"))
+    return np.hstack([fields[:, still], fields[:, ~still] @ directions[cost <= AT_REST].T])
+
+
+def _resistance(system: System, motions: Array, at: Index, u: Array) -> Array:
     """Rows whose squares sum to the energy that anchored kernels put against `motions` (m, dofs `at` of the part)."""
     full = np.zeros((len(motions), system.rest.size))
     full[:, at] = motions
     fields = full.reshape(len(motions), -1, system.dim)
-    rest = system.configuration(np.zeros_like(system.rest))
+    here = system.configuration(u)
     energy = np.zeros((len(motions), len(motions)))
     for kernel in system.kernels:
         if kernel.anchored:
-            hessian = full_hessian(kernel, kernel.evaluate(rest, 0.0, 2))
+            hessian = full_hessian(kernel, kernel.evaluate(here, 0.0, 2))
             members = fields[:, kernel.conn]
             energy += np.einsum("pnka,nklab,qnlb->pq", members, hessian, members)
     values, vectors = np.linalg.eigh(energy / system.stiffness_scale)

@@ -7,8 +7,10 @@ from itertools import pairwise
 import meshes
 import numpy as np
 import pytest
+from shapely import box
 
 import kirigami as kg
+from kirigami.linalg import factorize
 
 YOUNG, NU, THICKNESS = 1e6, 1 / 3, 0.02
 PLATE = 1 / (12 * (1 - NU**2))  # c of the hinge constant c E t^3 L^2 / (A1 + A2)
@@ -103,3 +105,81 @@ def test_a_structure_that_cannot_buckle_says_so() -> None:
         kg.Buckling(m, n=3).run()
     with pytest.raises(kg.ModelError, match="positive number"):
         kg.Buckling(m, n=0)
+
+
+def sheet_between_grips(edge: float, rung: str, shift: float, thickness: float = 0.01, nu: float = 0.3) -> kg.Model:
+    """A strip 1 x 0.2 whose right end is moved along x, both ends free to contract and hinged."""
+    mesh = kg.Sheet(box(0, 0, 1, 0.2)).mesh(edge)
+    m = kg.Model.from_mesh(mesh, thickness, kg.Material(E=1e9, nu=nu), stiffness=rung)
+    left, right = m.select(boundary="left"), m.select(boundary="right")
+    m.add(kg.Fix(left, "xz"), kg.Fix(left[0], "y"), kg.Fix(right, "z"), kg.Prescribe(right, x=shift))
+    return m
+
+
+@pytest.mark.parametrize("edge", [0.07, 0.04, 0.02])
+def test_a_pulled_sheet_does_not_buckle(edge: float) -> None:
+    """Uniform tension, exact on facets: a named error on any size, for as many factorisations as the counts need."""
+    analysis = kg.Buckling(sheet_between_grips(edge, "facet", 0.01), n=2)
+    with pytest.raises(kg.AnalysisError, match="nothing in it is compressed"):
+        analysis.run()
+    assert analysis.results is not None and analysis.results.stats["factorizations"] <= 4
+
+
+@pytest.mark.parametrize("rung", ["paper", "plate", "facet"])
+@pytest.mark.parametrize("edge", [0.04, 0.02])
+def test_buckling_of_large_models_matches_the_counted_pivots(rung: str, edge: float) -> None:
+    """Just below and above each load the tangent of the linear prestate has one negative pivot more."""
+    analysis = kg.Buckling(sheet_between_grips(edge, rung, -0.01), n=3)
+    values = analysis.run().values
+    assert len(values) == 3 and analysis.results is not None
+    assert analysis.results.stats["factorizations"] <= 6
+    system = kg.System(analysis.model)
+    rest = np.zeros_like(system.rest)
+    stiffness = system.stiffness()
+    q = factorize(stiffness).solve(-system.load_rate(rest, 0.0, system.stiffness_blocks(rest, 0.0)))
+    for number, value in enumerate(values):
+        for side, expected in ((1 - 1e-6, number), (1 + 1e-6, number + 1)):
+            system.linearize(rest, system.displacement(side * value * q, side * value))
+            assert factorize(system.matrix(system.stiffness_blocks(rest, 0.0))).negative == expected
+            system.linearize(None)
+
+
+def test_a_thin_sheet_under_tension_wrinkles_where_its_grips_hold_it() -> None:
+    """Clamped ends squeeze the sheet across the pull: loads far inside a spectrum of tension; they go with t^2."""
+    loads = []
+    for thickness in (1e-4, 1e-5):
+        mesh = kg.Sheet(box(0, 0, 1, 0.4)).mesh(0.03)
+        m = kg.Model.from_mesh(mesh, thickness, kg.Material(E=1e9, nu=0.49), stiffness="facet")
+        right = m.select(boundary="right")
+        m.add(kg.Fix(m.select(boundary="left")), kg.Fix(right, "yz"), kg.Prescribe(right, x=0.01))
+        loads.append(kg.Buckling(m, n=3).run().values / thickness**2)
+    assert loads[0] == pytest.approx(loads[1], rel=1e-6)
+
+
+# Buckling coefficients N b^2 / (pi^2 D) of square plates, Timoshenko and Gere, Theory of Elastic Stability
+PLATES = {("supported", "pressed"): 4.0, ("clamped", "pressed"): 10.07, ("supported", "sheared"): 9.34}
+
+
+@pytest.mark.parametrize("case", PLATES, ids="-".join)
+@pytest.mark.parametrize("rung", ["plate", "facet"])
+def test_square_plates(case: tuple[str, str], rung: str) -> None:
+    edge, load = case
+    t, young, nu = 0.01, 1e6, 0.3
+    m = kg.Model.from_mesh(kg.Sheet(box(0, 0, 1, 1)).mesh(1.15 / 16), t, kg.Material(young, nu), stiffness=rung)
+    m.add(kg.Fix(m.select(boundary="outer"), "z", clamp=edge == "clamped"))
+    pushes = {"left": (1, 0), "right": (-1, 0)}
+    if load == "sheared":
+        pushes = {"left": (0, -1), "right": (0, 1), "bottom": (-1, 0), "top": (1, 0)}
+    for side, (fx, fy) in pushes.items():
+        along = "y" if side in ("left", "right") else "x"
+        nodes = sorted(m.select(boundary=side), key=lambda node, a=along: getattr(node, a))
+        place = np.array([getattr(node, along) for node in nodes])
+        share = np.zeros(len(nodes))
+        share[1:] += np.diff(place) / 2
+        share[:-1] += np.diff(place) / 2
+        m.add(*(kg.NodalLoad(node, (fx * s, fy * s, 0)) for node, s in zip(nodes, share.tolist())))
+    corners = [min(m.nodes, key=lambda node, x=x: abs(node.x - x) + abs(node.y)) for x in (0, 1)]
+    m.add(kg.Fix(corners[0], "xy"), kg.Fix(corners[1], "y"))
+    rigidity = young * t**3 / 12 / (1 - nu**2)
+    found = kg.Buckling(m, n=1).run().values[0] / (np.pi**2 * rigidity)
+    assert found == pytest.approx(PLATES[case], rel=0.05)

@@ -1,0 +1,138 @@
+"""Block Krylov spaces: the largest eigenpairs of an operator that is symmetric in a metric."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+from kirigami.errors import AnalysisError
+from kirigami.primitives.kernel import Array
+
+SETTLED = 1e-9  # residual of a pair over its value at which it is taken: the error of the value is its square
+USABLE = 1e-6  # ... and at which it is taken where more rounds do not help
+DROWNED = 1e-6  # value over the largest one below which it has lost too many digits
+SPENT = 1e-12  # what is left of a vector when that is nothing but rounding
+BLOCK = 4  # vectors that start a space together, so that equal eigenvalues are found at once
+RESTARTS = 40  # times that a space is restarted before it is given up
+
+
+class KrylovSpace:
+    """The largest eigenpairs of a linear operator that is symmetric in a metric, by block Lanczos with restarts.
+
+    The basis is kept orthogonal to the last digit, and the operator is projected on it as it is (Rayleigh-Ritz), so no
+    eigenvalue comes twice and restarts lose nothing.
+
+    Parameters
+    ----------
+    operator : callable
+        Maps a vector (n,) to a vector (n,).
+    metric : sparse matrix, shape (n, n)
+        Symmetric, positive semi-definite; where it is not definite, the operator must send its null vectors to zero.
+    avoid : ndarray, shape (n, k)
+        Vectors to leave out, orthonormal in the metric.
+    seed : int
+        Start of the random vectors, so that answers repeat.
+    """
+
+    def __init__(self, operator: Callable[[Array], Array], metric: Any, avoid: Array, seed: int = 0) -> None:
+        self._operator, self._metric = operator, metric
+        self._avoid, self._metric_avoid = avoid, metric @ avoid
+        n = metric.shape[0]
+        self._basis, self._metric_basis, self._images = (np.empty((n, 0)) for _ in range(3))
+        start = np.random.default_rng(seed).normal(size=(n, min(BLOCK, n)))
+        self._next = self._new_directions(self._apply(self._clear(start)))
+
+    @property
+    def size(self) -> int:
+        """Vectors in the basis."""
+        return int(self._basis.shape[1])
+
+    @property
+    def complete(self) -> bool:
+        """Whether the operator leads out of the space no more, so that its pairs are exact."""
+        return bool(self._next.shape[1] == 0)
+
+    def grow(self) -> None:
+        """One more block."""
+        block, self._next = self._next, self._next[:, :0]
+        image = self._clear(self._apply(block))
+        self._basis = np.hstack([self._basis, block])
+        self._metric_basis = np.hstack([self._metric_basis, self._metric @ block])
+        self._images = np.hstack([self._images, image])
+        self._next = self._new_directions(image)
+
+    def pairs(self, count: int) -> tuple[Array, Array, Array]:
+        """Largest Ritz values (descending), their vectors (n, count), and the size of their residuals."""
+        values, rows = self._ritz(count)
+        images = self._images @ rows
+        error = images - (self._basis @ rows) * values
+        # Images have once more been through the operator, which leaves less in them of what it makes small.
+        vectors = images / np.where(values == 0, 1.0, values)
+        return values, vectors, np.sqrt(np.maximum((error * (self._metric @ error)).sum(axis=0), 0.0))
+
+    def restart(self, count: int) -> None:
+        """Keep the vectors of the largest Ritz values only."""
+        _, rows = self._ritz(count)
+        self._basis, self._images = self._basis @ rows, self._images @ rows
+        self._metric_basis = self._metric @ self._basis
+
+    def _ritz(self, count: int) -> tuple[Array, Array]:
+        projected = self._metric_basis.T @ self._images
+        values, rows = np.linalg.eigh(0.5 * (projected + projected.T))
+        return values[::-1][:count], rows[:, ::-1][:, :count]
+
+    def _apply(self, vectors: Array) -> Array:
+        return np.stack([self._operator(vector) for vector in vectors.T], axis=1) if vectors.size else vectors
+
+    def _clear(self, vectors: Array) -> Array:
+        """`vectors` without what lies along those to be left out."""
+        return np.asarray(vectors - self._avoid @ (self._metric_avoid.T @ vectors))
+
+    def _new_directions(self, vectors: Array) -> Array:
+        """An orthonormal basis of what in `vectors` is new to the space, and nothing where that is only rounding."""
+        found = self._basis[:, :0]
+        for vector in vectors.T:
+            size = _norm(self._metric, vector)
+            for _ in range(3):
+                vector = self._clear(vector[:, None])[:, 0]
+                vector = vector - self._basis @ (self._metric_basis.T @ vector)
+                vector = vector - found @ (found.T @ (self._metric @ vector))
+                length = _norm(self._metric, vector)
+                if not length > SPENT * size:
+                    break
+                vector, size = vector / length, 1.0
+            else:
+                found = np.column_stack([found, vector])
+        return found
+
+
+def _norm(metric: Any, vector: Array) -> float:
+    return float(np.sqrt(max(float(vector @ (metric @ vector)), 0.0)))
+
+
+def leading_pairs(space: KrylovSpace, count: int) -> tuple[Array, Array]:
+    """Largest positive eigenvalues of the operator of a space (descending) and their vectors, all settled.
+
+    At most `count`, and those only that are not drowned by the rounding of the largest: leave those found out of a
+    new space to find more. Raises AnalysisError where they do not settle.
+    """
+    longest, best = 2 * count + 12 * BLOCK, float("inf")
+    for _ in range(RESTARTS):
+        while True:
+            if space.size < longest:
+                space.grow()
+            if space.complete or space.size >= longest or space.size % (3 * BLOCK) == 0:
+                values, vectors, errors = space.pairs(count)
+                clear = values > max(DROWNED * float(values.max(initial=0.0)), 0.0)
+                error = float((errors[clear] / values[clear]).max(initial=0.0))
+                if space.complete or (len(values) == count and clear.any() and error <= SETTLED):
+                    return values[clear], vectors[:, clear]
+            if space.size >= longest:
+                break
+        if clear.any() and USABLE >= error > 0.5 * best:  # as good as the solutions of equations let it become
+            return values[clear], vectors[:, clear]
+        best = min(best, error)
+        space.restart(count + 2 * BLOCK)
+    raise AnalysisError(f"{count} eigenpairs do not settle: ask for fewer, or for a few more")
