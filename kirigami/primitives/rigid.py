@@ -16,7 +16,7 @@ def rigid_motions(points: Array) -> tuple[Array, list[str]]:
     fields = [np.tile(np.eye(dim)[axis], (n, 1)) for axis in range(dim)]
     names = [f"translation along {AXES[axis]}" for axis in range(dim)]
     for axis in range(3) if dim == 3 else [2]:
-        first, second = [a for a in range(3) if a != axis]
+        first, second = (axis + 1) % 3, (axis + 2) % 3  # right-handed
         turn = np.zeros((n, dim))
         turn[:, first], turn[:, second] = -arm[:, second], arm[:, first]
         fields.append(turn)

@@ -139,9 +139,8 @@ def test_buckling_of_large_models_matches_the_counted_pivots(rung: str, edge: fl
     q = factorize(stiffness).solve(-system.load_rate(rest, 0.0, system.stiffness_blocks(rest, 0.0)))
     for number, value in enumerate(values):
         for side, expected in ((1 - 1e-6, number), (1 + 1e-6, number + 1)):
-            system.linearize(rest, system.displacement(side * value * q, side * value))
-            assert factorize(system.matrix(system.stiffness_blocks(rest, 0.0))).negative == expected
-            system.linearize(None)
+            ahead = kg.Tangent(ahead=(rest, system.displacement(side * value * q, side * value)))
+            assert factorize(system.matrix(system.stiffness_blocks(rest, 0.0, ahead))).negative == expected
 
 
 def test_a_thin_sheet_under_tension_wrinkles_where_its_grips_hold_it() -> None:
