@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import warnings
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+import shapely
 from numpy.typing import NDArray
 
 from kirigami.errors import KirigamiWarning
@@ -46,6 +48,16 @@ class Curve:
         by = [f"layer {self.layer!r}"] if self.layer else []
         by += [self.color] if self.color else []
         return f"{self.source} ({', '.join(by)})" if by else self.source
+
+
+def lines_of(curves: Sequence[Curve]) -> NDArray[np.object_]:
+    """The curves as LineStrings, in one array."""
+    if not curves:
+        return np.empty(0, dtype=object)
+    counts = [len(curve.points) for curve in curves]
+    points = np.concatenate([curve.points for curve in curves])
+    lines: NDArray[np.object_] = shapely.linestrings(points, indices=np.repeat(np.arange(len(curves)), counts))
+    return lines
 
 
 def counted(number: int, what: str) -> str:

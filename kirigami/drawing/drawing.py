@@ -13,6 +13,7 @@ import numpy as np
 import shapely
 
 from kirigami.drawing.curves import Curve, Floats, counted
+from kirigami.drawing.gaps import short_of
 from kirigami.drawing.joining import chained, led_together, without_doubles, without_specks
 from kirigami.drawing.measure import Measure
 from kirigami.drawing.rim import Rim, crossing_text, find_rim, left_out_text
@@ -152,6 +153,9 @@ def assemble(
         shapes += [openings[id(curve)]] if curve.closed else left.pop(curve.numbers, [])
     shapes += whole.openings
     outline = shapely.Polygon(whole.rim.exterior, [hole.exterior for hole in holes])
+    rings = [outline.exterior, *outline.interiors, *(s.exterior for s in shapes if isinstance(s, shapely.Polygon))]
+    for note in short_of(whole.slits, rings, gap, measure):
+        _tell(note, said)
     _doubt_size(outline, unit, said)
     closed = sum(isinstance(shape, shapely.Polygon) for shape in shapes)
     said.append(
@@ -233,6 +237,8 @@ def _found_rim(
     rim = find_rim(loose, raw_loose, gap, measure, part)
     how = "the closed curve" if len(rim.made_of) == 1 else "the outer face of the lines"
     said.append(f"no outline layer: {how} round everything else is the outline")
+    if rim.note:
+        _tell(rim.note, said)
     return rim, []
 
 

@@ -208,7 +208,7 @@ def _bulge(start: Floats, end: Floats, bulge: float, distance: float) -> Floats:
 
 
 def _flat(points: list[Any], entity: Any) -> Floats:
-    array = np.array([(point.x, point.y, point.z) for point in map(_vector, points)], dtype=float)
+    array = np.array([(*point, 0.0)[:3] for point in points], dtype=float)
     if len(array) < 2:
         raise GeometryError(f"{source_of(entity)} on layer {entity.dxf.layer!r} has fewer than two points")
     if not np.isfinite(array).all():

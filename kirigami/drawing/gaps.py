@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from kirigami.drawing.curves import Curve, Floats
+from kirigami.drawing.curves import Curve, Floats, counted, lines_of
 from kirigami.drawing.joining import chained, led_together, open_ends
 from kirigami.drawing.measure import Measure
 from kirigami.drawing.network import network
@@ -17,6 +18,7 @@ from kirigami.errors import GeometryError
 WIDEST = 0.05  # of the size of the drawing: no gap that anybody meant to close is wider
 STEPS = 12  # of the search between the tolerance and the widest gap
 LARGER = 2.0  # times: what closes must enclose more than what was closed before
+SHORT = 10.0  # times the tolerance: a bridge as narrow as this is none that anybody can cut
 COVER = 0.3  # of the box round everything, which the closed outline must cover
 
 
@@ -118,7 +120,7 @@ def _gaps(
 ) -> list[tuple[float, Floats, Floats, int]]:
     """Gaps at the rim of what closes: distance, the end, what it is to meet, and the curve; in order of the drawing."""
     numbers, ends = open_ends(raw)
-    lines = np.array([shapely.LineString(curve.points) for curve in raw], dtype=object)
+    lines = lines_of(raw)
     owner: NDArray[np.int64] = np.repeat(numbers, 2)
     at_rim = np.flatnonzero(shapely.dwithin(shapely.points(ends), body.exterior, reach))
     found: list[tuple[float, Floats, Floats, int]] = []
@@ -142,3 +144,39 @@ def _gaps(
         if gap < distance <= reach and not twice:
             found.append((distance, ends[end], place, int(owner[end])))
     return found
+
+
+def short_of(slits: Sequence[Curve], rings: Sequence[Any], gap: float, measure: Measure) -> list[str]:
+    """A word on slits that stop just short of a rim, a hole or another slit, and the tolerance that joins them.
+
+    Parameters
+    ----------
+    slits : sequence of Curve
+        As they are in the sheet.
+    rings : sequence of shapely LineString
+        Rims of the sheet and of its holes.
+    gap : float
+        Ends nearer than this are joined.
+    measure : Measure
+        How to say places.
+    """
+    numbers, ends = open_ends(slits)
+    if not numbers:
+        return []
+    points = shapely.points(ends)
+    lines = np.concatenate([lines_of(slits), np.array(rings, dtype=object)])
+    end, line = shapely.STRtree(lines).query(points, predicate="dwithin", distance=SHORT * gap)
+    other = np.repeat(numbers, 2)[end] != line
+    end, line = end[other], line[other]
+    distance = shapely.distance(points[end], lines[line])
+    nearest = np.full(len(ends), np.inf)
+    np.minimum.at(nearest, end, distance)
+    short = np.flatnonzero((nearest > gap) & np.isfinite(nearest))
+    if not short.size:
+        return []
+    _, words, length = measure.tolerance(float(nearest[short].max()))
+    places = ", ".join(f"{measure.length(float(nearest[k]))} at {measure.point(ends[k])}" for k in short[:4])
+    return [
+        f"{counted(len(short), 'end')} of slits just short of what they point at: a bridge of {places}"
+        f"{', ...' if len(short) > 4 else ''} is left; `tolerance={words}` or `tolerance={length}` closes it"
+    ]

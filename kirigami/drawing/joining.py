@@ -11,7 +11,7 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from kirigami.drawing.curves import Curve, Floats
+from kirigami.drawing.curves import Curve, Floats, lines_of
 from kirigami.errors import KirigamiWarning
 
 ROUNDING = 1e-9  # of the tolerance: what ends are moved by less is not told
@@ -29,7 +29,7 @@ def without_specks(curves: Sequence[Curve], gap: float, notes: list[str]) -> lis
 
 def without_doubles(curves: Sequence[Curve], gap: float, notes: list[str]) -> list[Curve]:
     """Drop curves that lie on an earlier one of the same role all along."""
-    lines = np.array([shapely.LineString(curve.points) for curve in curves], dtype=object)
+    lines = lines_of(curves)
     lengths = shapely.length(lines)
     # The middle of a closed curve depends on where it starts, its centroid does not.
     closed = np.array([curve.closed for curve in curves], dtype=bool)
@@ -94,7 +94,7 @@ def led_together(curves: Sequence[Curve], gap: float, notes: list[str]) -> list[
     moved = np.where(met[:, None], ends[first[group]], ends)
     onto: dict[int, list[tuple[int, Floats]]] = {}
     bows = np.array([float(np.max(curve.bow)) for curve in result])
-    lines = np.array([shapely.LineString(curve.points) for curve in result], dtype=object)
+    lines = lines_of(result)
     reach = gap + float(bows.max())
     end, line = shapely.STRtree(lines).query(shapely.points(ends), predicate="dwithin", distance=reach)
     own = np.repeat(numbers, 2)[end] == line

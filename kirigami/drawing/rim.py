@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any
@@ -11,11 +10,11 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from kirigami.drawing.curves import Curve, counted
+from kirigami.drawing.curves import Curve, counted, lines_of
 from kirigami.drawing.gaps import gap_error, open_outline
 from kirigami.drawing.measure import Measure
 from kirigami.drawing.network import Network, network
-from kirigami.errors import GeometryError, KirigamiWarning
+from kirigami.errors import GeometryError
 
 NODING = 0.02  # of the tolerance, to which ends were joined before: only rounding is left to be snapped
 LARGE = 0.1  # of the largest part: a part that somebody may want
@@ -37,11 +36,14 @@ class Rim:
         Curves that form the rim.
     rest : list of Curve
         All others; of those that follow the rim in part, what leaves it.
+    note : str
+        What the user must be told.
     """
 
     polygon: Any
     made_of: list[Curve]
     rest: list[Curve]
+    note: str = ""
 
 
 def find_rim(
@@ -125,11 +127,10 @@ def _refuse_open(
 
 
 def _within(curves: Sequence[Curve], bounds: tuple[float, float, float, float], gap: float) -> bool:
-    low, high = np.array(bounds).reshape(2, 2)
-    return all(
-        (curve.points.min(axis=0) >= low - gap).all() and (curve.points.max(axis=0) <= high + gap).all()
-        for curve in curves
-    )
+    if not curves:
+        return True
+    box = shapely.total_bounds(lines_of(curves))
+    return bool((box[:2] >= np.array(bounds[:2]) - gap).all() and (box[2:] <= np.array(bounds[2:]) + gap).all())
 
 
 def _polygon(curve: Curve) -> Any:
@@ -237,7 +238,7 @@ def _without_frame(rim: Rim, raw: Sequence[Curve], gap: float, measure: Measure,
     is_box = abs(rim.polygon.area - (high_x - low_x) * (high_y - low_y)) <= FINE * rim.polygon.area
     if len(inner) < 2 or not is_box:
         return rim
-    lines = np.array([shapely.LineString(curve.points) for curve in rim.rest], dtype=object)
+    lines = lines_of(rim.rest)
     total = np.array([*shapely.total_bounds(lines)])
     clear = (total[:2] > np.array([low_x, low_y]) + gap).all() and (total[2:] < np.array([high_x, high_y]) - gap).all()
     if not clear:
@@ -260,8 +261,7 @@ def _without_frame(rim: Rim, raw: Sequence[Curve], gap: float, measure: Measure,
                 f"{rim.made_of[0].called} is taken as the frame of a page and left out: all else lies within one "
                 f"outline inside it, {measure.box(blob.bounds)}"
             )
-            warnings.warn(text, KirigamiWarning, stacklevel=5)
-            return find_rim(rim.rest, raw, gap, measure, part)
+            return replace(find_rim(rim.rest, raw, gap, measure, part), note=text)
     return rim
 
 

@@ -10,7 +10,7 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from kirigami.drawing.curves import Curve, counted
+from kirigami.drawing.curves import Curve, counted, lines_of
 from kirigami.drawing.measure import Measure
 from kirigami.drawing.network import Network, network
 from kirigami.drawing.rim import NODING
@@ -48,7 +48,7 @@ def trimmed(curves: Sequence[Curve], rim: Any, gap: float) -> Trimmed:
     result = Trimmed()
     if not curves:
         return result
-    lines = np.array([shapely.LineString(curve.points) for curve in curves], dtype=object)
+    lines = lines_of(curves)
     wide = rim.buffer(gap)
     strip = rim.exterior.buffer(gap)
     shapely.prepare(wide)
@@ -174,13 +174,13 @@ def _touching(rim: Any, slits: Sequence[Curve], holes: Sequence[Any], gap: float
     """Numbers of the slits that meet something in two places or more, and so may sever."""
     if not slits:
         return []
-    lines = [shapely.LineString(curve.points) for curve in slits]
+    lines = lines_of(slits)
     rings = [rim.exterior, *(ring for hole in holes for ring in (hole.exterior, *hole.interiors))]
     tree = shapely.STRtree([*lines, *rings])
-    one, other = tree.query(np.array(lines, dtype=object), predicate="dwithin", distance=NODING * gap)
+    one, other = tree.query(lines, predicate="dwithin", distance=NODING * gap)
     meets = np.bincount(one[one != other], minlength=len(lines))
     # A slit that meets one thing may meet it twice; one that meets itself is found by its own crossings.
-    loops = ~shapely.is_simple(np.array(lines, dtype=object))
+    loops = ~shapely.is_simple(lines)
     return [int(number) for number in np.flatnonzero((meets > 0) | loops)]
 
 

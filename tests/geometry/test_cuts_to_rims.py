@@ -98,8 +98,9 @@ class Sheets:
             if length < 4 * CLEARANCE * self.size:
                 continue
             near = 1.5 * CLEARANCE * self.size / length  # at both ends it may come near, at no flat angle
-            body = shapely.LineString([start + near * (end - start), end - (near if other >= 0 else 0) * (end - start)])
-            if not self._free(body):
+            body = self._without_ends(start, end, near, near if other >= 0 else 0.0)
+            all_but_ends = self._without_ends(start, end, 1e-6, 1e-6)
+            if not self._free(body) or any(piece.intersects(all_but_ends) for piece in self.pieces):
                 continue
             slit = shapely.LineString([start, end] if self.random.random() < 0.5 else [end, start])
             self.cuts.append(slit)
@@ -110,6 +111,10 @@ class Sheets:
                 self.pieces[one] = shapely.union_all([self.pieces[one], self.pieces[other]])
                 del self.pieces[other]
             return
+
+    @staticmethod
+    def _without_ends(start: np.ndarray, end: np.ndarray, first: float, last: float) -> shapely.LineString:
+        return shapely.LineString([start + first * (end - start), end - last * (end - start)])
 
     def _on(self, piece: shapely.Geometry) -> np.ndarray:
         """A point on line work: a vertex, the middle of a side, or anywhere, as floating point numbers have it."""
@@ -127,7 +132,8 @@ def check(seed: int) -> None:
     sheet = kg.Sheet(drawn.outline, drawn.cuts)
     mesh = sheet.mesh(0.2 * drawn.size, cut_edge=0.1 * drawn.size, allow_parts=severing)
     assert mesh.facet_parts.max() + 1 == drawn.parts, seed
-    assert abs(mesh.facet_areas.sum() - sheet.area) < 1e-6 * sheet.area + 1e-4 * drawn.size**2, seed
+    drawn_length = drawn.outline.length + sum(cut.length for cut in drawn.cuts)
+    assert abs(mesh.facet_areas.sum() - sheet.area) < 0.5e-4 * drawn.size * drawn_length, seed  # snapping moves by that
     assert sorted(number for cut in mesh.cuts for number in cut.members) == list(range(len(drawn.cuts))), seed
 
 
