@@ -24,6 +24,7 @@ from kirigami.geometry.topology import (
 )
 
 if TYPE_CHECKING:
+    from kirigami.geometry.sizing import Sizing
     from kirigami.primitives.material import Material
 
 Integers = NDArray[np.int64]
@@ -109,6 +110,7 @@ class TriMesh:
         self.thickness = thickness
         self.material = material
         self._given_cuts = None if cuts is None else list(cuts)
+        self.sizing: Sizing | None = None  # what a mesh with a budget of nodes has come to
 
     # --- edges -----------------------------------------------------------------------------------------------------
 
@@ -327,11 +329,15 @@ class TriMesh:
 
     def with_sets(self, **sets: ArrayLike) -> TriMesh:
         """Copy with more named node sets; a name that exists is replaced."""
-        return self._copy(self.nodes, {**self.sets, **sets}, self._given_cuts)
+        copied = self._copy(self.nodes, {**self.sets, **sets}, self._given_cuts)
+        copied.sizing = self.sizing
+        return copied
 
-    def with_cuts(self, cuts: Sequence[CutLoop]) -> TriMesh:
+    def with_cuts(self, cuts: Sequence[CutLoop], sizing: Sizing | None = None) -> TriMesh:
         """Copy in which the cuts are these and not the inner boundary loops."""
-        return self._copy(self.nodes, self.sets, cuts)
+        copied = self._copy(self.nodes, self.sets, cuts)
+        copied.sizing = sizing
+        return copied
 
     def scaled(self, factor: float) -> TriMesh:
         """Copy with all coordinates times ``factor``; the thickness stays as it is."""

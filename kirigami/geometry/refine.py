@@ -31,18 +31,21 @@ REFINEMENT_ROUNDS = 30
 SMOOTHING_ROUNDS = 6
 NONE = np.empty((0, 3), np.int64)
 NO_POINTS = np.empty((0, 2))
+FINE_SAMPLES = 0.5  # of the wanted length: farthest distance of the places at which it is asked for along an edge
+BLOCK = 8  # steps of a fine lattice that are looked at together
 SAMPLES = 40_000  # places at which a local size is asked for before meshing
 
 
 @dataclass(frozen=True)
 class SizeField:
     """Wanted edge length: ``cut_edge`` at the cuts, growing with the distance from them up to ``max_edge``; nowhere
-    more than `local` wants."""
+    more than `local` wants, whose growth per distance is `slope` where it is known."""
 
     max_edge: float
     cut_edge: float
     cut_samples: Floats
     local: LocalSize | None = None
+    slope: float | None = GROWTH
 
     def __call__(self, points: Floats) -> Floats:
         wanted: Floats = np.full(len(points), self.max_edge)
@@ -54,7 +57,12 @@ class SizeField:
 
 
 def triangulate_drawing(
-    drawing: Drawing, max_edge: float, cut_edge: float, min_angle: float, local: LocalSize | None = None
+    drawing: Drawing,
+    max_edge: float,
+    cut_edge: float,
+    min_angle: float,
+    local: LocalSize | None = None,
+    slope: float | None = None,
 ) -> Triangulation:
     """Triangulate a clean drawing with graded edge lengths, all in its unit frame.
 
@@ -68,6 +76,8 @@ def triangulate_drawing(
         Smallest angle in degrees, kept wherever the drawing itself has no sharper one.
     local : callable, optional
         Wanted edge length at points of the unit frame, where it is less than what the others give.
+    slope : float, optional
+        Largest growth of `local` per distance, if it is known: fine lattices are then laid only where they are needed.
 
     Raises
     ------
@@ -102,20 +112,24 @@ def triangulate_drawing(
             boundary.append(segments[-1])
 
     joints = np.bincount(drawing.edges[drawing.label_separates[drawing.labels]].ravel(), minlength=count)
-    for edge in np.flatnonzero(is_cut).tolist():
+    cut_edges = np.flatnonzero(is_cut)
+    along = SizeField(cut_edge, cut_edge, NO_POINTS, local, slope)
+    uneven = [] if local is None else _graded_fractions(drawing.points[drawing.edges[cut_edges]], along)
+    for position, edge in enumerate(cut_edges.tolist()):
         alone = (joints[drawing.edges[edge]] == 1).all()  # one mesh edge between two tips could not open
         pieces = max(_pieces(lengths[edge] / cut_edge), 2 if alone else 1)
         inner = np.arange(1, pieces) / pieces
-        if local is not None:
-            begin, end = drawing.points[drawing.edges[edge]]
-            uneven = _graded_fractions(begin, end, lengths[edge], SizeField(cut_edge, cut_edge, NO_POINTS, local))
-            inner = uneven if len(uneven) > len(inner) else inner
+        if local is not None and len(uneven[position]) > len(inner):
+            inner = uneven[position]
         add(edge, inner)
     cut_points = np.concatenate([*points[1:], drawing.points[np.unique(drawing.edges[is_cut])]])
-    size = SizeField(max_edge, cut_edge, cut_points, local)
-    for edge in np.flatnonzero(~is_cut).tolist():
-        begin, end = drawing.points[drawing.edges[edge]]
-        add(edge, _graded_fractions(begin, end, lengths[edge], size))
+    slope = GROWTH if local is None else slope
+    size = SizeField(max_edge, cut_edge, cut_points if cut_edge < max_edge else NO_POINTS, local, slope)
+    other_edges = np.flatnonzero(~is_cut)
+    for edge, inner in zip(
+        other_edges.tolist(), _graded_fractions(drawing.points[drawing.edges[other_edges]], size), strict=True
+    ):
+        add(edge, inner)
 
     drawn = Triangulation(np.concatenate(points), NONE, np.concatenate(segments), np.concatenate(labels))
     start = _seeded(drawn, size, np.concatenate(boundary), smallest)
@@ -154,13 +168,36 @@ def _pieces(ratio: float) -> int:
     return max(1, int(np.ceil(ratio - 1e-6)))  # equal lengths may differ by rounding
 
 
-def _graded_fractions(begin: Floats, end: Floats, length: float, size: SizeField) -> Floats:
-    """Where to divide an edge so that every piece is as long as wanted at its place."""
-    samples = np.linspace(0.0, 1.0, 2 + int(np.ceil(4 * length / size.cut_edge)))
-    density = length / size(begin + samples[:, None] * (end - begin))
-    pieces_before = np.concatenate([[0.0], np.cumsum(0.5 * (density[1:] + density[:-1]) * np.diff(samples))])
-    pieces = _pieces(pieces_before[-1])
-    fractions: Floats = np.interp(np.arange(1, pieces) * pieces_before[-1] / pieces, pieces_before, samples)
+def _graded_fractions(ends: Floats, size: SizeField) -> list[Floats]:
+    """Where to divide each edge (k, 2, 2) so that every piece is as long as wanted at its place."""
+    length = np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1)
+    samples = 2 + np.ceil(4 * length / size.cut_edge).astype(np.int64)
+    edge = np.repeat(np.arange(len(ends)), samples)
+    place = np.concatenate([np.linspace(0.0, 1.0, number) for number in samples]) if len(ends) else np.empty(0)
+
+    def density(edge: Integers, place: Floats) -> Floats:
+        """Pieces per edge that would be asked for if the whole edge were like this place."""
+        asked: Floats = length[edge] / size(ends[edge, 0] + place[:, None] * (ends[edge, 1] - ends[edge, 0]))
+        return asked
+
+    asked = density(edge, place)
+    while True:
+        gap = np.diff(place) * np.maximum(asked[1:], asked[:-1])
+        wide = np.flatnonzero((edge[1:] == edge[:-1]) & (gap > FINE_SAMPLES))
+        if not wide.size:
+            break
+        new_edge, new_place = edge[wide], 0.5 * (place[wide] + place[wide + 1])
+        edge, place, asked = (
+            np.insert(old, wide + 1, new)
+            for old, new in ((edge, new_edge), (place, new_place), (asked, density(new_edge, new_place)))
+        )
+    fractions = []
+    first = np.searchsorted(edge, np.arange(len(ends) + 1))
+    for begin, end in zip(first[:-1].tolist(), first[1:].tolist(), strict=True):
+        here, rate = place[begin:end], asked[begin:end]
+        pieces_before = np.concatenate([[0.0], np.cumsum(0.5 * (rate[1:] + rate[:-1]) * np.diff(here))])
+        pieces = _pieces(pieces_before[-1])
+        fractions.append(np.interp(np.arange(1, pieces) * pieces_before[-1] / pieces, pieces_before, here))
     return fractions
 
 
@@ -176,6 +213,8 @@ def _seeded(drawn: Triangulation, size: SizeField, boundary: Integers, smallest:
         if np.prod((high - low) / step) > MAX_FACETS:
             continue  # a fine level for a few places: refinement fills these as well
         lattice = _lattice(low, high, LATTICE_STEP * step)
+        if size.slope is not None and size.local is not None:
+            lattice = lattice[_may_be_wanted(lattice, size, step, next_step)]
         wanted = size(lattice)
         lattice = lattice[(wanted > step * (1 - 1e-9)) & (wanted < next_step * (1 - 1e-9))]
         if len(lattice):
@@ -185,6 +224,20 @@ def _seeded(drawn: Triangulation, size: SizeField, boundary: Integers, smallest:
     return Triangulation(
         made.points[used], triangles.reshape(-1, 3), np.searchsorted(used, made.segments), made.markers
     )
+
+
+def _may_be_wanted(lattice: Floats, size: SizeField, step: float, next_step: float) -> NDArray[np.bool_]:
+    """Which points of a lattice lie in blocks where an edge length between two steps can be wanted at all."""
+    assert size.slope is not None
+    side = BLOCK * step
+    low = lattice.min(axis=0)
+    cell = np.floor((lattice - low) / side).astype(np.int64)
+    columns = int(cell[:, 0].max()) + 1
+    cells, block = np.unique(cell @ [1, columns], return_inverse=True)
+    centres = low + (np.column_stack([cells % columns, cells // columns]) + 0.5) * side
+    wanted, reach = size(centres), size.slope * side * np.sqrt(0.5)
+    possible: NDArray[np.bool_] = (wanted + reach > step * (1 - 1e-9)) & (wanted - reach < next_step)
+    return possible[block]
 
 
 def _lattice(low: Floats, high: Floats, step: float) -> Floats:

@@ -16,6 +16,7 @@ from kirigami.errors import GeometryError, KirigamiWarning
 from kirigami.geometry.clean import Drawing, clean
 from kirigami.geometry.mesh import TriMesh
 from kirigami.geometry.refine import LONGEST, signed_areas, triangulate_drawing
+from kirigami.geometry.sizing import NODES, Sizing, mesh_within, warn_of_coarse
 from kirigami.geometry.triangulate import Triangulation
 from kirigami.geometry.unzip import find_cuts, unzip
 
@@ -24,9 +25,11 @@ if TYPE_CHECKING:
 
 CUT_FRACTION = 0.4  # default edge length along cuts, as a fraction of max_edge
 SNAP_PER_EDGE = 200  # the default snapping distance is this part of cut_edge
+COARSE = 0.1  # with a budget of n nodes, curves with points closer than this / sqrt(n) of the size are thinned
 DENSE = 4  # points per cut_edge beyond which a curve is thinned
 LARGEST_SNAP, SMALLEST_SNAP = 1e-4, 1e-9  # default and limit, fractions of the size of the sheet
 POOR_ANGLE = 20.0  # degrees; below, bars and hinges lose accuracy
+FEWEST_NODES, MOST_NODES = 10, 1_000_000
 LARGEST_MIN_ANGLE = 33.0  # degrees; beyond, refinement need not come to an end
 
 
@@ -90,10 +93,11 @@ class Sheet:
 
     def mesh(
         self,
-        max_edge: float,
+        max_edge: float | None = None,
         cut_edge: float | None = None,
         min_angle: float = 28.0,
         *,
+        nodes: int | None = None,
         size: Callable[[NDArray[np.float64]], NDArray[np.float64]] | None = None,
         lines: Mapping[str, BaseGeometry] | Sequence[BaseGeometry] = (),
         snap: float | None = None,
@@ -101,24 +105,32 @@ class Sheet:
     ) -> TriMesh:
         """Mesh the sheet with triangles, open along every slit.
 
+        Without ``max_edge`` the mesh chooses its own sizes within a budget of nodes: short edges at the tips of cuts,
+        four or more facets across every ligament where the budget allows it, long edges elsewhere. What came of it is
+        ``mesh.sizing``.
+
         Parameters
         ----------
-        max_edge : float
+        max_edge : float, optional
             Longest wanted edge, in the unit of the coordinates; no edge is longer than 1.1 times this.
         cut_edge : float, optional
             Longest edge along the cuts, 0.4 ``max_edge`` unless given; in between the length grows gradually.
         min_angle : float
             Smallest wanted angle in degrees, at most 33; kept unless the drawing has sharper corners.
+        nodes : int, optional
+            Budget of nodes of a mesh that chooses its own sizes, kept within a tenth; 4,000 unless given.
         size : callable, optional
             ``size(points)`` gives wanted edge lengths (n,) at points (n, 2) of the drawing; it counts where it is less
-            than what ``max_edge`` and ``cut_edge`` give. :meth:`kirigami.study.ErrorEstimate.size` makes one.
+            than what ``max_edge`` and ``cut_edge`` give, which goes with it. :meth:`kirigami.study.ErrorEstimate.size`
+            makes one.
         lines : mapping of str to geometry, or sequence of geometries
             Lines that are to be mesh edges without being cut, for example the edge of a grip. The nodes on a line with
             a name become the node set of that name.
         snap : float, optional
             Length below which details of the drawing close: points nearer than this become one, and ends of cuts that
             miss by less than half of it are moved onto what they nearly touch. Unless given, ``cut_edge / 200`` but not
-            more than 1e-4 of the size of the sheet: what is smaller would only make slivers. Curves with more than four
+            more than 1e-4 of the size of the sheet, which is what a budget of nodes takes: what is smaller would only
+            make slivers. Curves with more than four
             points per ``cut_edge`` are thinned by no more than this.
         allow_parts : bool
             Accept cuts that sever the sheet.
@@ -136,27 +148,42 @@ class Sheet:
         Warns
         -----
         KirigamiWarning
-            About repairs of the drawing, and about angles below 20 degrees.
+            About repairs of the drawing, and about angles below 20 degrees; about a budget that the drawing itself
+            exceeds or that leaves fewer than two facets across a ligament, and about ligaments narrower than the sheet
+            is thick.
+
+        Examples
+        --------
+        >>> slits = [[(0.2, 0.5), (1.2, 0.5)], [(0.8, 0.6), (1.8, 0.6)]]
+        >>> mesh = Sheet(shapely.box(0, 0, 2, 1), slits).mesh(nodes=1500)
+        >>> abs(len(mesh.nodes) / 1500 - 1) < 0.1, mesh.sizing.facets_across >= 4
+        (True, True)
         """
-        max_edge = _positive("max_edge", max_edge)
-        cut_edge = min(CUT_FRACTION * max_edge if cut_edge is None else _positive("cut_edge", cut_edge), max_edge)
         if not 0.0 < min_angle <= LARGEST_MIN_ANGLE:
             raise GeometryError(f"min_angle must lie between 0 and {LARGEST_MIN_ANGLE:g} degrees, not {min_angle}")
         names, geometries = _named_lines(lines)
         xmin, ymin, xmax, ymax = self.bounds
         extent = max(xmax - xmin, ymax - ymin)
+        if max_edge is None:
+            budget = _budget(nodes, {"cut_edge": cut_edge, "size": size})
+            relative = LARGEST_SNAP if snap is None else _positive("snap", snap) / extent
+            snap, spacing = _checked_snap(relative, extent), COARSE / float(np.sqrt(budget))
+            drawing = clean(self.outline, self.cuts, geometries, snap, spacing, allow_parts)
+            made, sizing = mesh_within(drawing, budget, min_angle)
+            mesh = self._opened(drawing, made, names, sizing)
+            _verify(mesh, drawing, made, np.inf, allow_parts)
+            warn_of_coarse(sizing, self.thickness)
+            return mesh
+        if nodes is not None:
+            raise GeometryError("give max_edge or a budget of nodes, not both")
+        max_edge = _positive("max_edge", max_edge)
+        cut_edge = min(CUT_FRACTION * max_edge if cut_edge is None else _positive("cut_edge", cut_edge), max_edge)
         relative = (
             min(cut_edge / (SNAP_PER_EDGE * extent), LARGEST_SNAP) if snap is None else _positive("snap", snap) / extent
         )
-        if not SMALLEST_SNAP <= relative <= 1e-2:
-            raise GeometryError(
-                f"details can be snapped at {SMALLEST_SNAP * extent:.3g} to {1e-2 * extent:.3g} for a sheet of this "
-                f"size, not at {relative * extent:.3g}" + ("; cut_edge is too short" if snap is None else "")
-            )
         # rounded so that the same drawing in another unit gives the same mesh
-        snap, longest, at_cuts = (
-            float(f"{length:.12g}") for length in (relative, max_edge / extent, cut_edge / extent)
-        )
+        longest, at_cuts = (float(f"{length:.12g}") for length in (max_edge / extent, cut_edge / extent))
+        snap = _checked_snap(relative, extent)
         drawing = clean(self.outline, self.cuts, geometries, snap, at_cuts / DENSE, allow_parts)
         local = None
         if size is not None:
@@ -170,7 +197,9 @@ class Sheet:
         _verify(mesh, drawing, made, max_edge, allow_parts)
         return mesh
 
-    def _opened(self, drawing: Drawing, made: Triangulation, names: list[str]) -> TriMesh:
+    def _opened(
+        self, drawing: Drawing, made: Triangulation, names: list[str], sizing: Sizing | None = None
+    ) -> TriMesh:
         separates = drawing.label_separates[made.markers]
         triangles, origin = unzip(made.triangles, made.segments[separates])
         nodes = self._exact(drawing, made.points)[origin]
@@ -193,7 +222,7 @@ class Sheet:
         for loop in bare.boundary_loops:
             ends = np.sort(np.column_stack([origin[loop], origin[np.roll(loop, -1)]]), axis=1)
             boundary_cuts.append([cuts_of[label[low, high]] for low, high in ends.tolist()])
-        return bare.with_cuts(find_cuts(bare, boundary_cuts))
+        return bare.with_cuts(find_cuts(bare, boundary_cuts), sizing)
 
     def _exact(self, drawing: Drawing, unit_points: NDArray[np.float64]) -> NDArray[np.float64]:
         """Coordinates in the unit of the drawing; those that rounding has moved off a drawn one are put back on it."""
@@ -268,6 +297,28 @@ def _positive(name: str, value: float) -> float:
     if not (np.isfinite(value) and value > 0):
         raise GeometryError(f"{name} must be a positive length, not {value}")
     return float(value)
+
+
+def _checked_snap(relative: float, extent: float) -> float:
+    """The snapping distance, a share of the size of the sheet; rounded so that no unit of length shows in the mesh."""
+    if not SMALLEST_SNAP <= relative <= 1e-2:
+        raise GeometryError(
+            f"details can be snapped at {SMALLEST_SNAP * extent:.3g} to {1e-2 * extent:.3g} for a sheet of this size, "
+            f"not at {relative * extent:.3g}: give another `snap`, or a longer cut_edge, which it goes with"
+        )
+    return float(f"{relative:.12g}")
+
+
+def _budget(nodes: int | None, unused: Mapping[str, Any]) -> int:
+    """The budget of nodes of a mesh that chooses its own sizes."""
+    for name, value in unused.items():
+        if value is not None:
+            raise GeometryError(f"{name} goes with max_edge; without it the mesh chooses its own sizes")
+    if nodes is None:
+        return NODES
+    if isinstance(nodes, bool) or not isinstance(nodes, (int, np.integer)) or not FEWEST_NODES <= nodes <= MOST_NODES:
+        raise GeometryError(f"nodes must be a whole number from {FEWEST_NODES} to {MOST_NODES:,}, not {nodes!r}")
+    return int(nodes)
 
 
 def _is_coordinates(item: Any) -> bool:
