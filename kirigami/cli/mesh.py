@@ -25,7 +25,7 @@ def add(commands: Any) -> None:
     )
     parser.add_argument("drawing", type=Path, metavar="DRAWING", help="the file: .dxf, .svg, .geojson or .fold")
     parser.add_argument(
-        "--max-edge", type=quantity("length"), metavar="LENGTH", help="such as 2mm (default: about 4,000 facets)"
+        "--max-edge", type=quantity("length"), metavar="LENGTH", help="such as 2mm (default: chosen within 4,000 nodes)"
     )
     parser.add_argument("-o", "--output", type=Path, metavar="FILE", help="where to write the mesh, in metres")
     add_reading(parser)
@@ -51,6 +51,8 @@ def run(options: argparse.Namespace) -> int:
     shortest, longest = (units.show(numbers[name], "length") for name in ("shortest_edge", "longest_edge"))
     say(f"nodes {numbers['nodes']}, facets {numbers['facets']}, cuts {numbers['cuts']}")
     say(f"edges {shortest} to {longest}, smallest angle {numbers['smallest_angle']:.3g} degrees")
+    if mesh.sizing is not None:
+        say(str(mesh.sizing))
     say(f"area {numbers['area']:.6g} m2")
     if options.output:
         say(f"Written to {options.output}")

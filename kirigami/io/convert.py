@@ -13,13 +13,11 @@ from kirigami.drawing.convert import read_drawing, write_drawing
 from kirigami.errors import GeometryError
 from kirigami.files import library, whole_file
 from kirigami.geometry.mesh import TriMesh
-from kirigami.geometry.sheet import Sheet
 from kirigami.results.archive import load
 
 if TYPE_CHECKING:
     pass
 
-FACETS = 4000  # aimed at where no edge length is given: a minute or so of work
 
 
 def info(path: str | os.PathLike[str], **reading: Any) -> dict[str, Any]:
@@ -72,11 +70,6 @@ def info(path: str | os.PathLike[str], **reading: Any) -> dict[str, Any]:
     }
 
 
-def edge_for(sheet: Sheet, max_edge: float | str | None) -> float:
-    """The edge length asked for [m], or one for about 4,000 facets."""
-    return (2.3 * sheet.area / FACETS) ** 0.5 if max_edge is None else units.parse(max_edge, "length")
-
-
 def mesh_drawing(
     path: str | os.PathLike[str],
     max_edge: float | str | None = None,
@@ -90,7 +83,7 @@ def mesh_drawing(
     path : path
         The drawing.
     max_edge : float or str, optional
-        Largest edge [m]; None aims at about 4,000 facets.
+        Largest edge [m]; None lets the mesh choose its sizes (see :meth:`Sheet.mesh`).
     output : path, optional
         Where to write: .fold, or any ending that meshio writes triangles to (.vtu, .stl, .msh, .inp, ...).
     **reading
@@ -110,7 +103,7 @@ def mesh_drawing(
     """
     drawing = read_drawing(path, **{**reading, "unit": "m"})
     sheet = drawing.sheet()
-    edge = edge_for(sheet, max_edge)
+    edge = None if max_edge is None else units.parse(max_edge, "length")
     folds = {"folds": list(drawing.folds)} if drawing.folds else {}
     mesh = sheet.mesh(edge, lines=folds)
     if output is not None:

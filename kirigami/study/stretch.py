@@ -132,7 +132,7 @@ def stretch(
     grips = find_grips(sheet, direction, None if grip is None else require_finite(grip, "grip", "stretch"))
     say(f"{'strips' if grips.strip else 'edges'} held at the {' and '.join(grips.names)}")
     mesh = _mesh(sheet, grips, level.nodes if nodes is None else nodes, max_edge)
-    say(f"{len(mesh.nodes)} nodes, {len(mesh.triangles)} facets")
+    say(f"{len(mesh.nodes)} nodes, {len(mesh.triangles)} facets" if mesh.sizing is None else f"mesh: {mesh.sizing}")
     model, held, moved = held_model(mesh, grips, strain, stiffness or level.stiffness)
     _imperfect(model, amplitude)
     grip_nodes = {"held": model.index(held), "moved": model.index(moved)}
@@ -163,7 +163,7 @@ def pulled_sheet(
 ) -> tuple[Model, list[Node]]:
     """Model of a sheet with its imperfection between its grips, to be pulled, and the nodes that are pulled."""
     grips = find_grips(sheet, direction)
-    model, _, moved = held_model(_mesh(sheet, grips, 1, max_edge), grips, strain, stiffness)
+    model, _, moved = held_model(_mesh(sheet, grips, None, max_edge), grips, strain, stiffness)
     _imperfect(model, None)
     return model, moved
 
@@ -196,10 +196,10 @@ def _checked(
     return Sheet(sheet.outline, sheet.cuts, thickness, material), strain
 
 
-def _mesh(sheet: Sheet, grips: Grips, nodes: int, max_edge: float | None) -> TriMesh:
-    budget = require_positive(nodes, "nodes", "stretch")
-    edge = (2.3 * sheet.area / (1.3 * budget)) ** 0.5 if max_edge is None else max_edge
-    return sheet.mesh(edge, lines=grips.lines())
+def _mesh(sheet: Sheet, grips: Grips, nodes: int | None, max_edge: float | None) -> TriMesh:
+    if max_edge is not None or nodes is None:
+        return sheet.mesh(max_edge, lines=grips.lines())
+    return sheet.mesh(nodes=round(require_positive(nodes, "nodes", "stretch")), lines=grips.lines())
 
 
 def _imperfect(model: Model, amplitude: float | None) -> None:
