@@ -33,7 +33,7 @@ SIGNATURES = {
     "Model.plot": "(self, ax=None)",
     "Model.from_mesh": "(mesh, thickness=None, material=None, stiffness='plate', dim=3)",
     "Sheet": "(outline, cuts=(), thickness=..., material=...)",
-    "Sheet.mesh": "(self, max_edge, cut_edge=None, min_angle=28)",
+    "Sheet.mesh": "(self, max_edge=None, cut_edge=None, min_angle=28)",
     "TriMesh": "(nodes, triangles, sets=None)",
     "LinearStatic": "(model)",
     "LinearStatic.run": "(self)",
