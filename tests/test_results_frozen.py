@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 import pytest
 import shapely
+from matplotlib import pyplot
 
 import kirigami as kg
 from kirigami.results.contact import gaps, normal_forces, penetration
@@ -183,6 +184,7 @@ def test_results_that_travelled_say_the_same(how: str, rung: str, tmp_path: Path
     for name in then:
         assert_same(now[name], then[name])
     case.results.plot_stress()
+    pyplot.close("all")
 
 
 def test_loaded_results_say_that_they_have_no_model(tmp_path: Path) -> None:
@@ -217,3 +219,4 @@ def test_files_of_earlier_versions_know_less_but_are_read(path: Path) -> None:
         with pytest.raises(kg.ModelError, match="thickness"):
             res.stress()
         res.plot_stress(thickness=1e-3, material=kg.Material(E=1e9))
+        pyplot.close("all")

@@ -144,9 +144,8 @@ print(choice)
 # %% [markdown]
 # ## Stress
 #
-# `results.stress()` has tensors, principal stresses, membrane forces and moments of every facet, from the stretch of
-# its edges and its curvature. `plot_stress` draws one of them on the deformed sheet, here the largest principal stress
-# at the upper face [Pa].
+# `results.stress()` has tensors, principal stresses, membrane forces and moments of every facet, as its elements bear
+# them. `plot_stress` draws one of them on the deformed sheet, here the largest principal stress at the upper face [Pa].
 
 # %%
 results.plot_stress(view=(35, -60), magnify=10)

@@ -100,6 +100,10 @@ class ClampHingeKernel(Kernel):
         """Rotation of each clamped facet (n,) [rad]."""
         return self._hinge.deformation(self._points(x))
 
+    def force(self, angle: Array) -> Array:
+        """Moment (n,) of the clamp on each facet."""
+        return np.asarray(self.stiffness * angle)
+
     def evaluate(self, x: Array, lam: float = 1.0, need: int = 2, tangent: Tangent = EXACT) -> Contribution:
         part = self._hinge.evaluate(self._points(x), lam, need, tangent)
         if part.gradient is None:

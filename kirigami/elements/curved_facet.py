@@ -40,6 +40,7 @@ from kirigami.elements.triangle import (
     edge_vectors,
     flat_edges,
     membrane_stiffness,
+    section_matrices,
     strain_from_edges,
     without_compression,
 )
@@ -157,10 +158,34 @@ def slope_stiffness(flat: Array, area: Array) -> Array:
     return stiffness
 
 
+def mean_curvature(flat: Array, area: Array, slopes: Array) -> Array:
+    """Mean curvature tensor (n, 2, 2) of a discrete Kirchhoff triangle with end slopes (n, 6) against its chords.
+
+    By Gauss's theorem it is the sum over the edges of the slope vector times the outward normal; along an edge the
+    slope vector is quadratic, so Simpson's rule is exact.
+    """
+    corner = np.empty((len(area), 3, 2))
+    for k in range(3):
+        at = np.flatnonzero(CORNER_OF_SLOPE == k)
+        along = -flat[:, EDGE_OF_SLOPE[at]]
+        corner[:, k] = np.linalg.solve(along, slopes[:, at, None])[..., 0]
+    total = np.zeros((len(area), 2, 2))
+    for edge, (a, b) in enumerate(zip(STARTS, ENDS)):
+        vector = flat[:, edge]
+        both = corner[:, a] + corner[:, b]
+        unit = vector / np.linalg.norm(vector, axis=1)[:, None]
+        middle = 0.5 * both - 0.75 * (unit * both).sum(axis=1)[:, None] * unit
+        outward = np.stack([vector[:, 1], -vector[:, 0]], axis=1)
+        total += ((both + 4 * middle) / 6)[:, :, None] * outward[:, None]
+    total /= area[:, None, None]
+    return np.asarray(0.5 * (total + total.transpose(0, 2, 1)))
+
+
 class CurvedFacetKernel(Kernel):
     """All curved facets; see the module's text for the formulas. Local nodes: three corners, three tips of normals."""
 
     name = "facets"
+    surface = True
     approximates = True
 
     def __init__(
@@ -181,6 +206,8 @@ class CurvedFacetKernel(Kernel):
         self._rest_tips = rest[conn[:, 3:]] - rest[conn[:, :3]]
         self.tip_length = np.linalg.norm(self._rest_tips, axis=2)
         flat, self.area = flat_edges(self._rest_edges)
+        self._flat = flat
+        self.section = section_matrices(thickness, E, nu)
         self._square = (flat**2).sum(axis=2)
         self._to_strain = strain_from_edges(flat)
         self._membrane = membrane_stiffness(self._to_strain, self.area, thickness, E, nu)
@@ -214,8 +241,18 @@ class CurvedFacetKernel(Kernel):
         return edges, normals, stretch, strain, slopes
 
     def deformation(self, x: Array) -> Array:
-        """Strain of each facet (n, 3): (exx, eyy, gamma_xy), the first axis along the edge from corner i to j."""
-        return np.asarray(np.einsum("nac,nc->na", self._to_strain, self._state(x)[3]))
+        """Strain and mean curvature of each facet (n, 6): (exx, eyy, gamma_xy, kxx, kyy, 2 kxy), the first axis along
+        the edge from corner i to j."""
+        _, _, _, strain, slopes = self._state(x)
+        bent = mean_curvature(self._flat, self.area, slopes - self._rest_slopes)
+        found = np.empty((len(strain), 6))
+        found[:, :3] = np.einsum("nac,nc->na", self._to_strain, strain)
+        found[:, 3:] = np.stack([bent[:, 0, 0], bent[:, 1, 1], 2 * bent[:, 0, 1]], axis=1)
+        return found
+
+    def force(self, deformation: Array) -> Array:
+        """Forces and moments per length (n, 6): (Nxx, Nyy, Nxy, Mxx, Myy, Mxy) of a deformation (n, 6)."""
+        return np.asarray(np.einsum("nab,nb->na", self.section, deformation))
 
     def _chain(self, edges: Array, normals: Array, stretch: Array) -> tuple[Array, Array]:
         """First derivatives (n, 9, 6, 3) of half squared chord lengths (3) and slopes (6) by corners and tips, and

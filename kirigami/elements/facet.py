@@ -29,6 +29,7 @@ from kirigami.elements.triangle import (
     edge_vectors,
     flat_edges,
     membrane_stiffness,
+    section_matrices,
     strain_from_edges,
     without_compression,
 )
@@ -121,6 +122,7 @@ class FacetKernel(Kernel):
     """
 
     name = "facets"
+    surface = True
     approximates = True
 
     def __init__(
@@ -143,6 +145,7 @@ class FacetKernel(Kernel):
         self._square = (flat**2).sum(axis=2)
         self._to_strain = strain_from_edges(flat)
         self._membrane = membrane_stiffness(self._to_strain, self.area, thickness, E, nu)
+        self.section = section_matrices(thickness, E, nu)
         self.hinge_facet, self.hinge_edge = np.nonzero(bends & (dim == 3))
         self._hinges: BendHingeKernel | None = None
         if self.hinge_facet.size:
@@ -168,6 +171,7 @@ class FacetKernel(Kernel):
             [normal[..., 0] ** 2, normal[..., 1] ** 2, 2 * normal[..., 0] * normal[..., 1]], axis=1
         )
         columns *= (length / (self.area[:, None] + across))[:, None]
+        self._to_curvature = columns
         # Bending is the same plane stress over the thickness: t^3 / 12 in the place of t.
         matrix = membrane_stiffness(columns, self.area, self.thickness**3 / 12, self.E, self.nu)
         for c in range(3):  # no moment at a free edge: static condensation, one edge after the other
@@ -205,8 +209,20 @@ class FacetKernel(Kernel):
         return self._rest_edges + change, strain
 
     def deformation(self, x: Array) -> Array:
-        """Strain of each facet (n, 3): (exx, eyy, gamma_xy), the first axis along the edge from corner i to j."""
-        return np.asarray(np.einsum("nac,nc->na", self._to_strain, self._stretch(x)[1]))
+        """Strain and curvature of each facet (n, 6): (exx, eyy, gamma_xy, kxx, kyy, 2 kxy), the first axis along the
+        edge from corner i to j; the curvature is the one whose moments the fold angles meet."""
+        found = np.zeros((len(self.conn), 6))
+        found[:, :3] = np.einsum("nac,nc->na", self._to_strain, self._stretch(x)[1])
+        if self._hinges is not None:
+            # The moments m at the folds do the work of the plate's moments M: m = A B' M with curvature = B angles.
+            moment = self.fold_moments(x) / self.area[:, None]
+            plate = np.linalg.solve(self._to_curvature.transpose(0, 2, 1), moment[..., None])
+            found[:, 3:] = np.linalg.solve(self.section[:, 3:, 3:], plate)[..., 0]
+        return found
+
+    def force(self, deformation: Array) -> Array:
+        """Forces and moments per length (n, 6): (Nxx, Nyy, Nxy, Mxx, Myy, Mxy) of a deformation (n, 6)."""
+        return np.asarray(np.einsum("nab,nb->na", self.section, deformation))
 
     def fold_angles(self, x: Array) -> Array:
         """Change (n, 3) of the fold angle of each edge against rest [rad]; 0 where the edge is free."""
@@ -220,6 +236,12 @@ class FacetKernel(Kernel):
         edges, strain = self._stretch(x)
         rate = np.einsum("nca,nca->nc", edges, edge_vectors(change, self._given)) / self._square
         return np.asarray(np.einsum("ncd,nd->nc", self._membrane, strain + rate))
+
+    def fold_moments(self, x: Array) -> Array:
+        """Moment (n, 3) of each facet on its folds, the derivatives of its energy by the fold angles."""
+        if self._hinges is None:
+            return np.zeros((len(self.conn), 3))
+        return np.asarray(np.einsum("ncd,nd->nc", self._bending, self.fold_angles(x)))
 
     def evaluate(self, x: Array, lam: float = 1.0, need: int = 2, tangent: Tangent = EXACT) -> Contribution:
         edges, strain = self._stretch(x)

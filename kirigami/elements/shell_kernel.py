@@ -35,6 +35,7 @@ class ShellFacetKernel(Kernel):
     """
 
     name = "shell"
+    surface = True
     measures_displacement = True
     compile_from = 200  # a facet is as much work as many bars
     approximates = True

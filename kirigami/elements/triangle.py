@@ -43,6 +43,16 @@ def plane_stress(nu: float) -> Array:
     return np.array([[1, nu, 0], [nu, 1, 0], [0, 0, (1 - nu) / 2]]) / (1 - nu**2)
 
 
+def section_matrices(thickness: Array, E: Array, nu: Array) -> Array:
+    """Matrices (n, 6, 6) from (exx, eyy, gamma_xy, kxx, kyy, 2 kxy) to forces and moments per length of a plate."""
+    values, which = np.unique(nu, return_inverse=True)
+    elasticity = np.array([plane_stress(value) for value in values])[which] * E[:, None, None]
+    section = np.zeros((len(E), 6, 6))
+    section[:, :3, :3] = elasticity * thickness[:, None, None]
+    section[:, 3:, 3:] = elasticity * (thickness**3 / 12)[:, None, None]
+    return section
+
+
 def check_areas(owner: str, corners: NDArray[np.int64], numbering: Numbering) -> None:
     """Refuse facets without area, whose corners (n, 3) lie on a line."""
     edges = edge_vectors(numbering.rest, corners)

@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from kirigami.errors import ModelError
-from kirigami.post.shape import checked_positions
+from kirigami.post.shape import checked_positions, principal_values
 
 if TYPE_CHECKING:
     from kirigami.geometry.mesh import TriMesh
@@ -90,8 +90,7 @@ def curvature(positions: ArrayLike, mesh: TriMesh, kind: str = "mean", per: str 
         return gaussian
     if kind == "tensor":
         return np.stack([np.stack([kxx, kxy], axis=-1), np.stack([kxy, kyy], axis=-1)], axis=-2)
-    radius = np.hypot(0.5 * (kxx - kyy), kxy)
-    return np.stack([mean + radius, mean - radius], axis=-1)
+    return principal_values(kxx, kyy, kxy)
 
 
 class _Fit:
@@ -101,12 +100,7 @@ class _Fit:
         inner = np.flatnonzero(mesh.edge_facets[:, 1] >= 0)
         self.triangles = mesh.triangles
         self.quads = np.column_stack([mesh.edge_wings[inner, 0], mesh.edges[inner], mesh.edge_wings[inner, 1]])
-        flat = mesh.nodes[:, :2]
-        rate = self._rates(flat[self.quads])
-        relative = flat[self.quads] - flat[self.quads].mean(axis=1, keepdims=True)
-        x, y = np.moveaxis(relative, -1, 0)
-        # angle of the height (kxx x^2 + kyy y^2)/2 + kxy x y, whose linear part does not bend an edge
-        rows = np.stack([0.5 * (rate * x * x).sum(1), 0.5 * (rate * y * y).sum(1), (rate * x * y).sum(1)], axis=1)
+        rows = angle_rows(mesh.nodes[self.quads, :2])
         size = np.linalg.norm(rows, axis=1)
         weight = mesh.facet_areas[mesh.edge_facets[inner]].sum(axis=1) / size**2
         self.weighted = rows * weight[:, None]
@@ -131,20 +125,31 @@ class _Fit:
         total: Floats = at_nodes[self.triangles].sum(axis=1)
         return total
 
-    @staticmethod
-    def _rates(corners: Floats) -> Floats:
-        """Rate of the angle with the heights (e, 4) of wing, edge nodes and wing, in the flat sheet."""
-        edge = corners[:, 2] - corners[:, 1]
-        length = np.linalg.norm(edge, axis=1)
-        rate = np.zeros((len(corners), 4))
-        for wing in (0, 3):
-            arm = corners[:, wing] - corners[:, 1]
-            off = np.abs(edge[:, 0] * arm[:, 1] - edge[:, 1] * arm[:, 0]) / length
-            foot = (edge * arm).sum(axis=1) / length**2
-            rate[:, wing] = 1 / off
-            rate[:, 1] -= (1 - foot) / off
-            rate[:, 2] -= foot / off
-        return rate
+
+def angle_rows(corners: Floats) -> Floats:
+    """Rates (e, 3) of the angles at edges with the curvature (kxx, kyy, kxy) of a sheet whose height is quadratic.
+
+    `corners` (e, 4, 2) are wing, edge nodes and wing in the flat sheet.
+    """
+    rate = _rates(corners)
+    x, y = np.moveaxis(corners - corners.mean(axis=1, keepdims=True), -1, 0)
+    # angle of the height (kxx x^2 + kyy y^2)/2 + kxy x y, whose linear part does not bend an edge
+    return np.stack([0.5 * (rate * x * x).sum(1), 0.5 * (rate * y * y).sum(1), (rate * x * y).sum(1)], axis=1)
+
+
+def _rates(corners: Floats) -> Floats:
+    """Rate of the angle with the heights (e, 4) of wing, edge nodes and wing, in the flat sheet."""
+    edge = corners[:, 2] - corners[:, 1]
+    length = np.linalg.norm(edge, axis=1)
+    rate = np.zeros((len(corners), 4))
+    for wing in (0, 3):
+        arm = corners[:, wing] - corners[:, 1]
+        off = np.abs(edge[:, 0] * arm[:, 1] - edge[:, 1] * arm[:, 0]) / length
+        foot = (edge * arm).sum(axis=1) / length**2
+        rate[:, wing] = 1 / off
+        rate[:, 1] -= (1 - foot) / off
+        rate[:, 2] -= foot / off
+    return rate
 
 
 def _angles(corners: Floats) -> Floats:

@@ -17,6 +17,12 @@ Floats = NDArray[np.float64]
 LEVELS = 41  # heights at which the band is measured; their mean is that of the band to about 1e-3 of its change
 
 
+def principal_values(xx: Floats, yy: Floats, xy: Floats) -> Floats:
+    """Principal values (..., 2) of plane tensors, the algebraically larger first."""
+    mean, radius = 0.5 * (xx + yy), np.hypot(0.5 * (xx - yy), xy)
+    return np.stack([mean + radius, mean - radius], axis=-1)
+
+
 def height(positions: ArrayLike) -> Floats:
     """Height of a sheet above its lowest point, max z - min z.
 

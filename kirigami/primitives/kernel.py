@@ -147,6 +147,10 @@ class Kernel:
         True where rigid motions of its members cost energy, as for a support.
     compile_from : int
         Members from which a compiled twin pays.
+    surface : bool
+        True where the members are facets of a sheet, whose first three nodes are the corners: then the deformation is
+        (exx, eyy, gamma_xy, kxx, kyy, 2 kxy) with the first axis along the edge between the first two, and the force
+        (Nxx, Nyy, Nxy, Mxx, Myy, Mxy).
     approximates : bool
         True where :meth:`evaluate` takes a further argument `tangent`, a :class:`Tangent`.
 
@@ -174,6 +178,7 @@ class Kernel:
     measures_displacement: bool = False
     scaled: bool = False
     anchored: bool = False
+    surface: bool = False
     approximates: bool = False
     compile_from: int = 5_000
     normals: tuple[NDArray[np.int64], NDArray[np.int64]] | None = None  # nodes and tips of their normals, if it has any

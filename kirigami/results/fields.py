@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
+from kirigami.elements.triangle import edge_vectors, flat_edges, strain_from_edges
 from kirigami.errors import AnalysisError
+from kirigami.post.shape import principal_values
 from kirigami.primitives.kernel import Array
 from kirigami.results.results import Results
 
@@ -12,8 +14,7 @@ from kirigami.results.results import Results
 def facet_strain(results: Results) -> Array:
     """Largest principal Green strain of each facet, from its rest state.
 
-    With rest edges e_1, e_2 of a facet, written in its plane as the columns of B, and displacement differences d_1,
-    d_2 along them, the strain is B^-T [e_a.d_b + e_b.d_a + d_a.d_b] B^-1 / 2.
+    The Green strains of its three edges determine it; see :mod:`kirigami.elements.triangle`.
 
     Parameters
     ----------
@@ -42,23 +43,16 @@ def facet_strain(results: Results) -> Array:
     if results.mesh is None:
         raise AnalysisError("facet strains need a model made by Model.from_mesh", results=results)
     triangles = results.mesh.triangles
-    corner = results.rest[triangles]
-    edges = corner[:, 1:] - corner[:, :1]  # (m, 2, 3)
-    along = edges[:, 0] / np.linalg.norm(edges[:, 0], axis=1)[:, None]
-    across = edges[:, 1] - (edges[:, 1] * along).sum(axis=1)[:, None] * along
-    across /= np.linalg.norm(across, axis=1)[:, None]
-    inverse = np.linalg.inv(np.einsum("max,mix->mia", edges, np.stack([along, across], axis=1)))
+    rest_edges = edge_vectors(results.rest, triangles)
+    flat, _ = flat_edges(rest_edges)
+    to_strain, square = strain_from_edges(flat), (flat**2).sum(axis=2)
     values = np.empty((len(results), len(triangles)))
     for row, step in zip(values, results.steps):
-        moved = step.u[triangles]
-        change = moved[:, 1:] - moved[:, :1]
-        cross = np.einsum("max,mbx->mab", edges, change)
-        metric = cross + cross.swapaxes(1, 2)
-        if not results.linear:
-            metric += np.einsum("max,mbx->mab", change, change)
-        strain = 0.5 * np.einsum("mai,mab,mbj->mij", inverse, metric, inverse)
-        mean, half = 0.5 * (strain[:, 0, 0] + strain[:, 1, 1]), 0.5 * (strain[:, 0, 0] - strain[:, 1, 1])
-        row[:] = mean + np.hypot(half, strain[:, 0, 1])
+        change = edge_vectors(step.u, triangles)
+        second = 0.0 if results.linear else 0.5 * change
+        stretch = ((rest_edges + second) * change).sum(axis=2) / square
+        exx, eyy, shear = np.einsum("nac,nc->an", to_strain, stretch)
+        row[:] = principal_values(exx, eyy, 0.5 * shear)[:, 0]
     return values
 
 

@@ -108,7 +108,7 @@ class ModelRecord:
         if any(isinstance(node, Node) for node in listed):
             if not self.nodes:
                 raise ModelError(
-                    "these results have no nodes: they were loaded from a file or come from another process. Give node "
+                    "these results have no nodes: they were loaded from a file or come from another process: give node "
                     "indices, or the name of a support or of a boundary of the mesh"
                 )
             for node in listed:

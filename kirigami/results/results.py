@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
@@ -18,6 +18,8 @@ from kirigami.results.step import Event, Step
 
 if TYPE_CHECKING:
     from kirigami.system.system import System
+
+NEAR = 1e-4  # share of a deformation over which the force of a linear analysis follows its tangent
 
 
 class Results(ModelRecord):
@@ -131,8 +133,8 @@ class Results(ModelRecord):
 
     # ---- forces and energies
 
-    def _deformation(self, kernel: Kernel, step: Step) -> Array:
-        """Strain or angle (members,) of a kernel at a step; to first order for a linear analysis."""
+    def member_deformation(self, kernel: Kernel, step: Step) -> Array:
+        """Strain or angle (members, ...) of a kernel at a step; to first order for a linear analysis."""
         if self.linear:
             at_rest = self.configuration()
             linearised: Array = kernel.deformation(at_rest) + kernel.deformation_rate(at_rest, self.rows(step))
@@ -140,11 +142,42 @@ class Results(ModelRecord):
         found: Array = self.evaluate_at(kernel, step, lambda x: kernel.deformation(x))
         return found
 
+    def told(self, kernel: Kernel, step: Step, tell: Callable[[Array], Array]) -> Array:
+        """What a function of positions, such as a method of a kernel, says at a step; of a linear analysis to first
+        order in the displacements, by a central difference."""
+        if not self.linear:
+            found: Array = self.evaluate_at(kernel, step, tell)
+            return found
+        at_rest, rows = self.configuration(), self.rows(step)
+        rest = np.asarray(at_rest)
+        size = float(np.abs(rows).max(initial=0.0))
+        if size == 0:
+            return tell(at_rest)
+        share = NEAR * (float(np.ptp(rest, axis=0).max()) or 1.0) / size
+        rate = tell(Configuration(rest, share * rows)) - tell(Configuration(rest, -share * rows))
+        return np.asarray(tell(at_rest) + rate / (2 * share))
+
+    def member_force(self, kernel: Kernel, step: Step) -> Array:
+        """Force or moment (members, ...) of a kernel at a step; to first order for a linear analysis."""
+        felt = self.member_deformation(kernel, step)
+        if not self.linear:
+            return kernel.force(felt)
+        start = kernel.deformation(self.configuration())
+        change = felt - start
+        size = float(np.abs(change).max(initial=0.0))
+        if size == 0:
+            return kernel.force(start)
+        share = NEAR * (float(np.abs(start).max()) or 1.0) / size
+        rate = kernel.force(start + share * change) - kernel.force(start - share * change)
+        return np.asarray(kernel.force(start) + rate / (2 * share))
+
     def rows(self, step: Step | None = None) -> Array:
         """Displacements (rows, dim) at a step, or at rest, of the nodes and the rows that elements keep behind them."""
         if step is None:
             return np.zeros((len(self.rest) + len(self.inner_rest), self.dim))
-        return np.concatenate([step.u, step.inner])[:, : self.dim]
+        # A step made of the displacements of nodes alone, as by Step.at, leaves the rows behind them at rest.
+        inner = step.inner if len(step.inner) == len(self.inner_rest) else np.zeros((len(self.inner_rest), 3))
+        return np.concatenate([step.u, inner])[:, : self.dim]
 
     def configuration(self, step: Step | None = None) -> Configuration:
         """What kernels are evaluated at: all rows at a step, or at rest."""
@@ -269,8 +302,8 @@ class Results(ModelRecord):
         for step in self.steps:
             parts = []
             for kernel in kernels:
-                felt = self._deformation(kernel, step)
-                parts.append(kernel.force(felt) if quantity == "force" else felt)
+                tell = self.member_force if quantity == "force" else self.member_deformation
+                parts.append(tell(kernel, step))
             rows.append(np.concatenate(parts)[order])
         return np.array(rows) if rows else np.zeros((0, len(order)))
 

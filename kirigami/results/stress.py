@@ -1,44 +1,42 @@
-"""Stress of a sheet, facet by facet: membrane strain, curvature, and what plane stress makes of them.
+"""Stress of a sheet, facet by facet, as the elements bear it.
 
 Everything is counted from the rest state (an imperfection is stress-free) and given in the axes x, y of the drawing,
 which turn with the facet: second Piola-Kirchhoff stress and Green strain, the common ones as long as strains are small.
 
-* Membrane strain: the Green strains of the three edges of a facet determine its strain; uniform strain is exact. For
-  curved facets the edges are the curved ones, so that bending does not count as stretch.
-* Curvature K, second derivatives of the height, positive where the sheet is hollow from above: of curved facets the
-  mean over the facet of its own slope field, of all others the least-squares fit of
-  :func:`kirigami.post.curvature.curvature`.
-* Kirchhoff's plate: strain at distance z from the middle is strain - z K, and stress = E / (1 - nu^2) times
-  ((1 - nu) strain + nu trace(strain) I). Force per length N = t stress of the middle, moment per length
-  M = D ((1 - nu) K + nu trace(K) I), D = E t^3 / (12 (1 - nu^2)). (Timoshenko and Woinowsky-Krieger, 1959.)
+* Forces N and moments M per length are those of the elements, and so are the energies
+  (:mod:`kirigami.results.sheet_state`): over the sheet they do the work of the loads and hold the stored energy, on
+  every rung.
+* Stress at distance z from the middle is N / t - 12 z M / t^3, as in Kirchhoff's plate. (Timoshenko and
+  Woinowsky-Krieger, 1959.)
+* Strain is that of the facet; curvature K, second derivatives of the height, is positive where the sheet is hollow from
+  above. Plate theory makes stress of them, E / (1 - nu^2) ((1 - nu) e + nu trace(e) I) with e = strain - z K; that is
+  :meth:`SheetStress.by_plate_theory`. Facet elements obey it; bars and hinges do not, since they have a Poisson ratio
+  of their own, and none that is right in bending.
 
 On a cylinder of radius R the faces have E t / (2 R (1 - nu^2)) round it and nu times that along it.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from kirigami.elements.curved_facet import CORNER_OF_SLOPE, EDGE_OF_SLOPE, CurvedFacetKernel
-from kirigami.elements.triangle import ENDS, STARTS, edge_vectors, flat_edges, strain_from_edges
 from kirigami.errors import AnalysisError, ModelError
-from kirigami.post.curvature import FLAT, curvature
+from kirigami.post.curvature import FLAT
+from kirigami.post.shape import principal_values
 from kirigami.primitives.checks import require_positive
-from kirigami.primitives.kernel import Configuration
 from kirigami.primitives.material import Material
+from kirigami.results.sheet_state import SheetState, StateReader
 
 if TYPE_CHECKING:
-    from kirigami.geometry.mesh import TriMesh
     from kirigami.results.results import Results
 
 Floats = NDArray[np.float64]
 
 FIBRES = {"bottom": -0.5, "middle": 0.0, "top": 0.5}  # place over the thickness
-SMALL = 1e-4  # displacement over size from which the rate of strain of a linear analysis is taken
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,6 +51,12 @@ class SheetStress:
         Green strain of the middle surface.
     curvature : ndarray, shape (s, m, 2, 2)
         Curvature [1 / length], positive where the sheet is hollow from above.
+    force : ndarray, shape (s, m, 2, 2)
+        Membrane force per length [force / length].
+    moment : ndarray, shape (s, m, 2, 2)
+        Bending moment per length [force], positive where it makes the sheet hollow from above.
+    membrane_energy, bending_energy : ndarray, shape (s, m)
+        Energy of stretching and of bending that the elements store in each facet [force length].
     area : ndarray, shape (m,)
         Areas of the facets at rest [length^2].
     thickness : float
@@ -76,6 +80,10 @@ class SheetStress:
 
     strain: Floats
     curvature: Floats
+    force: Floats
+    moment: Floats
+    membrane_energy: Floats
+    bending_energy: Floats
     area: Floats
     thickness: float
     material: Material
@@ -95,15 +103,30 @@ class SheetStress:
         """
         if fibre not in FIBRES:
             raise ModelError(f"stress: fibre must be one of {', '.join(FIBRES)}, got {fibre!r}")
-        strain = self.strain - FIBRES[fibre] * self.thickness * self.curvature
-        return self.material.E / (1 - self.material.nu**2) * self._law(strain)
+        t = self.thickness
+        return np.asarray(self.force / t - 12 * FIBRES[fibre] / t**2 * self.moment)
+
+    def by_plate_theory(self) -> SheetStress:
+        """The stress that plate theory makes of strain and curvature, whatever the elements bear.
+
+        For rungs of bars and hinges, whose own stress has their Poisson ratios and the pattern of their mesh; energies
+        are those of a plate with uniform strain and curvature in each facet.
+        """
+        E, nu, t = self.material.E, self.material.nu, self.thickness
+
+        def law(tensor: Floats) -> Floats:
+            trace = tensor[..., 0, 0] + tensor[..., 1, 1]
+            return E / (1 - nu**2) * ((1 - nu) * tensor + nu * trace[..., None, None] * np.eye(2))
+
+        force, moment = t * law(self.strain), t**3 / 12 * law(self.curvature)
+        stretching = 0.5 * self.area * (force * self.strain).sum(axis=(-2, -1))
+        bending = 0.5 * self.area * (moment * self.curvature).sum(axis=(-2, -1))
+        return replace(self, force=force, moment=moment, membrane_energy=stretching, bending_energy=bending)
 
     def principal(self, fibre: str = "middle") -> Floats:
         """Principal stresses (s, m, 2), the algebraically larger first [force / length^2]; fibres as in `tensor`."""
         stress = self.tensor(fibre)
-        mean = 0.5 * (stress[..., 0, 0] + stress[..., 1, 1])
-        radius = np.hypot(0.5 * (stress[..., 0, 0] - stress[..., 1, 1]), stress[..., 0, 1])
-        return np.stack([mean + radius, mean - radius], axis=-1)
+        return principal_values(stress[..., 0, 0], stress[..., 1, 1], stress[..., 0, 1])
 
     def directions(self, fibre: str = "middle") -> Floats:
         """Unit vectors (s, m, 2, 2) of the principal stresses in the drawing, one a row, as in `principal`."""
@@ -119,40 +142,11 @@ class SheetStress:
         return np.asarray(np.sqrt(first**2 - first * second + second**2))
 
     @property
-    def force(self) -> Floats:
-        """Membrane force per length (s, m, 2, 2) [force / length]."""
-        return self.thickness * self.tensor()
-
-    @property
-    def moment(self) -> Floats:
-        """Bending moment per length (s, m, 2, 2) [force], positive where it makes the sheet hollow from above."""
-        return self._rigidity * self._law(self.curvature)
-
-    @property
-    def membrane_energy(self) -> Floats:
-        """Energy of stretching of each facet (s, m) [force length]."""
-        return np.asarray(0.5 * self.area * (self.force * self.strain).sum(axis=(-2, -1)))
-
-    @property
-    def bending_energy(self) -> Floats:
-        """Energy of bending of each facet (s, m) [force length], with the curvature taken as uniform over it."""
-        return np.asarray(0.5 * self.area * (self.moment * self.curvature).sum(axis=(-2, -1)))
-
-    @property
     def membrane_share(self) -> Floats:
         """Energy of stretching over all energy of the sheet (s,); 0 where nothing is stored."""
         membrane, bending = self.membrane_energy.sum(axis=-1), self.bending_energy.sum(axis=-1)
         total = membrane + bending
         return np.asarray(np.where(total > 0, membrane / np.where(total > 0, total, 1.0), 0.0))
-
-    @property
-    def _rigidity(self) -> float:
-        return self.material.E * self.thickness**3 / (12 * (1 - self.material.nu**2))
-
-    def _law(self, tensor: Floats) -> Floats:
-        nu = self.material.nu
-        trace = tensor[..., 0, 0] + tensor[..., 1, 1]
-        return np.asarray((1 - nu) * tensor + nu * trace[..., None, None] * np.eye(2))
 
 
 def sheet_stress(
@@ -174,8 +168,7 @@ def sheet_stress(
     Returns
     -------
     SheetStress
-        Stresses follow from the deformation and the material, also where the rung (such as "paper") takes other
-        stiffnesses.
+        What the elements of the rung bear; :meth:`SheetStress.by_plate_theory` makes stress of the deformation instead.
 
     Raises
     ------
@@ -197,97 +190,15 @@ def sheet_stress(
         raise ModelError(f"stress: material must be a Material, got {material!r}")
     step = None if step is None else results.step_number(step, "stress")
     chosen = results.steps if step is None else [results.steps[step]]
-    sheet = _Sheet(results, mesh)
-    strain, bent = np.empty((2, len(chosen), len(mesh.triangles), 2, 2))
-    for row, one in enumerate(chosen):
-        strain[row], bent[row] = sheet.linear_rate(one.u) if results.linear else sheet.deformation(one.u)
+    reader = StateReader(results, mesh)
+    states = [reader.at(one) for one in chosen]
+    names = [field.name for field in fields(SheetState)]
+    parts = {name: np.array([getattr(state, name) for state in states]) for name in names}
     if step is not None:
-        strain, bent = strain[0], bent[0]
-    return SheetStress(strain, bent, sheet.area, float(thickness), material)
-
-
-class _Sheet:
-    """Strain and curvature of the facets of one sheet under displacements."""
-
-    def __init__(self, results: Results, mesh: TriMesh) -> None:
-        self.mesh, self.dim = mesh, results.dim
-        self.rest = results.rest
-        triangles = mesh.triangles
-        self.rest_edges = edge_vectors(self.rest, triangles)
-        self.flat, self.area = flat_edges(self.rest_edges)
-        self.square = (self.flat**2).sum(axis=2)
-        self.to_strain = strain_from_edges(self.flat)
-        # the facet laid out flat, against its drawing: the rotation of the gradient, without the stretch
-        drawn = edge_vectors(mesh.nodes[:, :2], triangles)
-        gradient = np.linalg.solve(drawn[:, :2], self.flat[:, :2]).transpose(0, 2, 1)
-        angle = np.arctan2(gradient[:, 1, 0] - gradient[:, 0, 1], gradient[:, 0, 0] + gradient[:, 1, 1])
-        cosine, sine = np.cos(angle), np.sin(angle)
-        self.turn = np.stack([np.stack([cosine, -sine], axis=-1), np.stack([sine, cosine], axis=-1)], axis=-2)
-        self.kernel = self._curved(results)
-        if self.kernel is None and self.dim == 3:
-            self.rest_curvature = curvature(self.rest[: len(mesh.nodes)], mesh, "tensor")
-
-    def _curved(self, results: Results) -> CurvedFacetKernel | None:
-        """The kernel of the sheet's curved facets, where it has them."""
-        for kernel in results.kernels:
-            if isinstance(kernel, CurvedFacetKernel):
-                count = len(self.mesh.triangles)
-                if np.array_equal(kernel.conn[:count, :3], self.mesh.triangles):
-                    return kernel
-        return None
-
-    def deformation(self, u: Floats) -> tuple[Floats, Floats]:
-        """Strain and curvature (m, 2, 2) in drawing axes."""
-        count = len(self.mesh.triangles)
-        bent = np.zeros((count, 2, 2))
-        if self.kernel is None:
-            change = edge_vectors(u, self.mesh.triangles)
-            edge_strain = ((self.rest_edges + 0.5 * change) * change).sum(axis=2) / self.square
-            if self.dim == 3:
-                nodes = len(self.mesh.nodes)
-                bent = curvature(self.rest[:nodes] + u[:nodes], self.mesh, "tensor") - self.rest_curvature
-        else:
-            state = self.kernel._state(Configuration(self.rest, u))
-            edge_strain = state[3][:count]
-            slopes = (state[4] - self.kernel._rest_slopes)[:count]
-            bent = self._drawn(mean_curvature(self.flat, self.area, slopes))
-        exx, eyy, shear = np.einsum("nac,nc->an", self.to_strain, edge_strain)
-        strain = np.stack([np.stack([exx, shear / 2], axis=-1), np.stack([shear / 2, eyy], axis=-1)], axis=-2)
-        return self._drawn(strain), bent
-
-    def linear_rate(self, u: Floats) -> tuple[Floats, Floats]:
-        """Strain and curvature to first order in the displacements, by a central difference."""
-        largest = float(np.abs(u).max())
-        share = min(1.0, SMALL * self.mesh.size / largest) if largest > 0 else 1.0
-        ahead, back = self.deformation(share * u), self.deformation(-share * u)
-        return 0.5 / share * (ahead[0] - back[0]), 0.5 / share * (ahead[1] - back[1])
-
-    def _drawn(self, tensor: Floats) -> Floats:
-        """From the axes of facets laid out flat to those of the drawing."""
-        return np.asarray(self.turn.transpose(0, 2, 1) @ tensor @ self.turn)
-
-
-def mean_curvature(flat: Floats, area: Floats, slopes: Floats) -> Floats:
-    """Mean curvature tensor (n, 2, 2) of a discrete Kirchhoff triangle with end slopes (n, 6) against its chords.
-
-    By Gauss's theorem it is the sum over the edges of the slope vector times the outward normal; along an edge the
-    slope vector is quadratic, so Simpson's rule is exact.
-    """
-    corner = np.empty((len(area), 3, 2))
-    for k in range(3):
-        at = np.flatnonzero(CORNER_OF_SLOPE == k)
-        along = -flat[:, EDGE_OF_SLOPE[at]]
-        corner[:, k] = np.linalg.solve(along, slopes[:, at, None])[..., 0]
-    total = np.zeros((len(area), 2, 2))
-    for edge, (a, b) in enumerate(zip(STARTS, ENDS)):
-        vector = flat[:, edge]
-        both = corner[:, a] + corner[:, b]
-        unit = vector / np.linalg.norm(vector, axis=1)[:, None]
-        middle = 0.5 * both - 0.75 * (unit * both).sum(axis=1)[:, None] * unit
-        outward = np.stack([vector[:, 1], -vector[:, 0]], axis=1)
-        total += ((both + 4 * middle) / 6)[:, :, None] * outward[:, None]
-    total /= area[:, None, None]
-    return np.asarray(0.5 * (total + total.transpose(0, 2, 1)))
+        parts = {name: values[0] for name, values in parts.items()}
+    elif not states:
+        parts = {name: np.zeros((0, len(mesh.triangles), *(() if "energy" in name else (2, 2)))) for name in names}
+    return SheetStress(**parts, area=reader.area, thickness=float(thickness), material=material)
 
 
 def checked_values(stress: SheetStress, kind: Any, fibre: str) -> tuple[Floats, str]:

@@ -1,0 +1,225 @@
+"""The state of every facet of a sheet, as its elements hold it: strain, forces and moments per length, stored energy.
+
+Whatever the elements are, forces and energy are theirs, so that the stress belongs to the state that the analysis
+found, and does its work:
+
+* Shell facets tell strain, curvature, force N and moment M themselves, and flat facets strain and N.
+* A bar of rest length L with force S and direction n in a facet of area A adds N = s S L n n' / A, and a hinge, fold or
+  clamp with moment m adds M = s m R / A, where R : K is its angle under a uniform curvature K
+  (:mod:`kirigami.post.curvature`) and s is the share of the facet in the area of the one or two facets at the edge; a
+  fold of a flat facet is its own. So the sum of A (N : dE + M : dK) over the sheet is the work of all its elements
+  under uniform changes dE and dK, whatever the mesh.
+
+Bars and hinges do not keep Poisson's ratio: their moments across a bend are about -1/3 of those round it, which is what
+holds them in balance, but not what a plate would have. Curvature and, with bars, strain are measured on the surface.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kirigami.elements.bar import BarKernel
+from kirigami.elements.facet import FacetKernel
+from kirigami.elements.shell_kernel import ShellFacetKernel
+from kirigami.elements.triangle import ENDS, STARTS, edge_vectors, flat_edges, strain_from_edges
+from kirigami.post.curvature import angle_rows, curvature
+from kirigami.primitives.kernel import Array, Kernel
+from kirigami.results.results import Results
+from kirigami.results.step import Step
+
+if TYPE_CHECKING:
+    from kirigami.geometry.mesh import TriMesh
+
+Index = NDArray[np.int64]
+SMALL = 1e-4  # displacement over size from which the rate of curvature of a linear analysis is taken
+
+
+@dataclass(eq=False)
+class SheetState:
+    """Strain, curvature, force and moment of each facet (m, 2, 2) in the axes of the drawing, and energies (m,)."""
+
+    strain: Array
+    curvature: Array
+    force: Array
+    moment: Array
+    membrane_energy: Array
+    bending_energy: Array
+
+
+class StateReader:
+    """Reads the states of one sheet, made from a flat mesh, off its results."""
+
+    def __init__(self, results: Results, mesh: TriMesh) -> None:
+        self.results, self.mesh = results, mesh
+        triangles = mesh.triangles
+        self.rest_edges = edge_vectors(results.rest, triangles)
+        self.flat, self.area = flat_edges(self.rest_edges)
+        self.square = (self.flat**2).sum(axis=2)
+        self.to_strain = strain_from_edges(self.flat)
+        # the facet laid out flat, against its drawing: the rotation of the gradient, without the stretch
+        drawn = edge_vectors(mesh.nodes[:, :2], triangles)
+        gradient = np.linalg.solve(drawn[:, :2], self.flat[:, :2]).transpose(0, 2, 1)
+        angle = np.arctan2(gradient[:, 1, 0] - gradient[:, 0, 1], gradient[:, 0, 0] + gradient[:, 1, 1])
+        cosine, sine = np.cos(angle), np.sin(angle)
+        self.turn = np.stack([np.stack([cosine, -sine], axis=-1), np.stack([sine, cosine], axis=-1)], axis=-2)
+        self.rest_curvature = curvature(results.rest[: len(mesh.nodes)], mesh, "tensor") if results.dim == 3 else None
+        self.surfaces = [kernel for kernel in results.kernels if kernel.surface]
+
+    def at(self, step: Step) -> SheetState:
+        """The state at a step; of a linear analysis to first order."""
+        m = len(self.area)
+        state = SheetState(*np.zeros((4, m, 2, 2)), *np.zeros((2, m)))
+        state.curvature = self._surface_curvature(step)
+        state.strain = self._drawn(self._surface_strain(step))
+        for kernel in self.surfaces:
+            self._add_facets(state, kernel, step)
+        if not self.surfaces:
+            for kernel in self.results.kernels:
+                if isinstance(kernel, BarKernel):
+                    self._add_bars(state, kernel, step)
+                elif kernel.name in ("hinges", "clamps"):
+                    self._add_hinges(state, kernel, step)
+        elif clamps := [kernel for kernel in self.results.kernels if kernel.name == "clamps"]:
+            for kernel in clamps:
+                self._add_hinges(state, kernel, step)
+        return state
+
+    # ---- by kind of element
+
+    def _add_facets(self, state: SheetState, kernel: Kernel, step: Step) -> None:
+        results = self.results
+        rows, at = matched(kernel.conn[:, :3], self.mesh.triangles)
+        felt, borne = results.member_deformation(kernel, step)[rows], results.member_force(kernel, step)[rows]
+        state.strain[at] = self._drawn(_tensor(felt[:, :3], half_shear=True), at)
+        if kernel.normals is not None or kernel.conn.shape[1] > 6:  # curved facets know their curvature best
+            state.curvature[at] = self._drawn(_tensor(felt[:, 3:], half_shear=True), at)
+        state.force[at] = self._drawn(_tensor(borne[:, :3]), at)
+        if isinstance(kernel, FacetKernel):
+            state.moment[at] = self._of_folds(results.told(kernel, step, kernel.fold_moments)[rows], at)
+        else:
+            state.moment[at] = self._drawn(_tensor(borne[:, 3:]), at)
+        energy = results.member_energy(kernel, step)[rows]
+        fields = felt[:, None]
+        if isinstance(kernel, ShellFacetKernel):  # whose strain is linear over the facet
+            fields = results.told(kernel, step, kernel.corner_deformation)[rows]
+            fields = np.concatenate([fields, 3 * felt[:, None]], axis=1) / np.sqrt(12)
+        section: Array = kernel.section[rows, :3]  # type: ignore[attr-defined]
+        forces = np.einsum("nab,nkb->nka", section, fields)
+        state.membrane_energy[at] = 0.5 * self.area[at] * (fields[..., :3] * forces).sum(axis=(1, 2))
+        state.bending_energy[at] = np.maximum(energy - state.membrane_energy[at], 0.0)
+
+    def _of_folds(self, moments: Array, facets: Index) -> Array:
+        """Moments (k, 2, 2) of facets whose folds, opposite their corners, have moments (k, 3)."""
+        mesh = self.mesh
+        sides = np.sort(mesh.triangles[facets][:, np.array([STARTS, ENDS]).T], axis=2)  # (k, 3, 2)
+        edge = placed(sides.reshape(-1, 2), np.sort(mesh.edges, axis=1)).reshape(-1, 3)
+        inner = np.flatnonzero(mesh.edge_facets[:, 1] >= 0)
+        rate = np.zeros((len(mesh.edges), 3))
+        quads = np.column_stack([mesh.edge_wings[inner, 0], mesh.edges[inner], mesh.edge_wings[inner, 1]])
+        rate[inner] = angle_rows(mesh.nodes[quads, :2])
+        work = (moments[..., None] * rate[edge]).sum(axis=1) / self.area[facets, None]
+        return _tensor(work, half_shear=True)
+
+    def _add_bars(self, state: SheetState, kernel: BarKernel, step: Step) -> None:
+        if kernel.strain != "green" or kernel.law != "linear":
+            return  # no bar of a sheet
+        rows, edges = matched(np.sort(kernel.conn, axis=1), np.sort(self.mesh.edges, axis=1))
+        strain = self.results.member_deformation(kernel, step)[rows]
+        line_force = kernel.EA[rows] * strain * kernel.rest_length[rows]  # force times length
+        energy = self.results.member_energy(kernel, step)[rows]
+        for facet, corner, share, chosen in self._sides(edges):
+            n = self.flat[facet, corner] / np.sqrt(self.square[facet, corner])[:, None]
+            dyad = n[:, :, None] * n[:, None, :]
+            pull = (share * line_force[chosen] / self.area[facet])[:, None, None]
+            np.add.at(state.force, facet, self._drawn(pull * dyad, facet))
+            np.add.at(state.membrane_energy, facet, share * energy[chosen])
+
+    def _add_hinges(self, state: SheetState, kernel: Kernel, step: Step) -> None:
+        mesh, whole = self.mesh, kernel.conn.shape[1] == 4
+        ends = kernel.conn[:, 1:3]
+        rows, edges = matched(np.sort(ends, axis=1), np.sort(mesh.edges, axis=1))
+        corners = mesh.nodes[kernel.conn[rows], :2]
+        if not whole:  # a clamp is half a hinge, against the mirror image of its facet
+            corners = np.concatenate([corners, _mirrored(corners)[:, None]], axis=1)
+        rate = angle_rows(corners) * (1.0 if whole else 0.5)
+        moment = self.results.member_force(kernel, step)[rows]
+        energy = self.results.member_energy(kernel, step)[rows]
+        tensor = _tensor(rate, half_shear=True) * moment[:, None, None]
+        for facet, _, share, chosen in self._sides(edges):
+            np.add.at(state.moment, facet, (share / self.area[facet])[:, None, None] * tensor[chosen])
+            np.add.at(state.bending_energy, facet, share * energy[chosen])
+
+    def _sides(self, edges: Index) -> list[tuple[Index, Index, Array, Index]]:
+        """For both sides of edges: facet, corner opposite, share in the area there, which of the edges these are."""
+        mesh = self.mesh
+        facets = mesh.edge_facets[edges]
+        area = np.where(facets >= 0, self.area[facets], 0.0)
+        found = []
+        for side in (0, 1):
+            chosen = np.flatnonzero(facets[:, side] >= 0)
+            facet = facets[chosen, side]
+            opposite = mesh.edge_wings[edges[chosen], side]
+            corner = np.argmax(mesh.triangles[facet] == opposite[:, None], axis=1)
+            found.append((facet, corner, area[chosen, side] / area[chosen].sum(axis=1), chosen))
+        return found
+
+    # ---- of the surface
+
+    def _surface_strain(self, step: Step) -> Array:
+        """Strain (m, 2, 2) of flat facets in their own axes, of the Green strains of their edges."""
+        change = edge_vectors(step.u, self.mesh.triangles)
+        second = 0.0 if self.results.linear else 0.5 * change
+        stretch = ((self.rest_edges + second) * change).sum(axis=2) / self.square
+        return _tensor(np.einsum("nac,nc->na", self.to_strain, stretch), half_shear=True)
+
+    def _surface_curvature(self, step: Step) -> Array:
+        """Curvature (m, 2, 2) in the axes of the drawing that the angles at the edges make."""
+        mesh = self.mesh
+        if self.rest_curvature is None:
+            return np.zeros((len(self.area), 2, 2))
+        rest, u = self.results.rest[: len(mesh.nodes)], step.u[: len(mesh.nodes)]
+        if not self.results.linear:
+            return np.asarray(curvature(rest + u, mesh, "tensor") - self.rest_curvature)
+        largest = float(np.abs(u).max())
+        share = min(1.0, SMALL * mesh.size / largest) if largest > 0 else 1.0
+        ahead, back = (curvature(rest + sign * share * u, mesh, "tensor") for sign in (1, -1))
+        return np.asarray(0.5 / share * (ahead - back))
+
+    def _drawn(self, tensor: Array, facets: Index | slice = slice(None)) -> Array:
+        """From the axes of facets laid out flat to those of the drawing."""
+        turn = self.turn[facets]
+        return np.asarray(turn.transpose(0, 2, 1) @ tensor @ turn)
+
+
+def placed(given: Index, known: Index) -> Index:
+    """Where the rows (n, k) of `given` are among those of `known` (m, k), -1 where they are not."""
+    every, code = np.unique(np.concatenate([known, given]), axis=0, return_inverse=True)
+    place = np.full(len(every), -1)
+    place[code[: len(known)]] = np.arange(len(known))
+    return np.asarray(place[code[len(known) :]])
+
+
+def matched(given: Index, known: Index) -> tuple[Index, Index]:
+    """Rows of `given` (n, k) that are rows of `known` (m, k), each the first of its kind, and where they are there."""
+    place = placed(given, known)
+    found, first = np.unique(place, return_index=True)
+    return first[found >= 0], found[found >= 0]
+
+
+def _tensor(components: Array, half_shear: bool = False) -> Array:
+    """Symmetric tensors (n, 2, 2) of (xx, yy, xy), or of (xx, yy, 2 xy)."""
+    xx, yy, xy = components.T
+    xy = 0.5 * xy if half_shear else xy
+    return np.stack([np.stack([xx, xy], axis=-1), np.stack([xy, yy], axis=-1)], axis=-2)
+
+
+def _mirrored(corners: Array) -> Array:
+    """The first of three corners (n, 3, 2) mirrored at the line through the other two."""
+    wing, j, k = corners.transpose(1, 0, 2)
+    edge = k - j
+    foot = j + edge * (((wing - j) * edge).sum(axis=1) / (edge**2).sum(axis=1))[:, None]
+    return np.asarray(2 * foot - wing)
