@@ -272,6 +272,6 @@ def test_no_step_holds_a_force_that_is_not_finite(strain: str, law: str) -> None
         return
     with pytest.raises(kg.ConvergenceError, match="a member collapsed") as caught:
         kg.DisplacementControl(m).run()
-    assert caught.value.results is not None and caught.value.results.lam[-1] > 0.9
+    assert caught.value.results is not None and 0.5 < caught.value.results.lam[-1] < 1
     assert np.isfinite(caught.value.results.reaction(b, "x")).all()
     assert caught.value.worst_nodes == [0, 1]

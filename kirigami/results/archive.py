@@ -98,7 +98,9 @@ def pack(results: Results, with_kernels: bool = True) -> dict[str, Any]:
         "steps": [
             [s.negative, s.residual, s.residual_over_reaction, s.iterations, len(s.history), s.stage] for s in steps
         ],
-        "events": [[e.kind, e.lam, e.step, e.message, list(e.bracket), e.located is not None] for e in results.events],
+        "events": [
+            [e.kind, e.lam, e.step, e.message, list(e.bracket), e.located is not None, e.energy] for e in results.events
+        ],
         "mesh": None,
         "node_names": results.node_names,
         "supports": [[s.name, s.kind, s.dofs, s.constant, s.clamp] for s in results.supports],
@@ -279,8 +281,8 @@ def unpack_path(head: dict[str, Any], data: dict[str, Any]) -> tuple[list[Step],
     located = iter(steps[head["count"] :])
     events = [
         Event(kind, lam, step, message, (bracket[0], bracket[1]), next(located) if found else None,
-              data.get(f"mode{position}"))
-        for position, (kind, lam, step, message, bracket, found) in enumerate(head["events"])
+              data.get(f"mode{position}"), *energy)
+        for position, (kind, lam, step, message, bracket, found, *energy) in enumerate(head["events"])
     ]  # fmt: skip
     return steps[: head["count"]], events
 

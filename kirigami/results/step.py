@@ -122,6 +122,8 @@ class Event:
     mode : ndarray, shape (n, 3), or None
         The critical mode there, to which the tangent stiffness has just lost its resistance: largest component 1, the
         first of the largest entries positive.
+    energy : float or None
+        Of a snap: the energy that was set free [force times length].
 
     Examples
     --------
@@ -138,6 +140,7 @@ class Event:
     bracket: tuple[float, float] = (float("nan"), float("nan"))
     located: Step | None = field(default=None, repr=False)
     mode: Array | None = field(default=None, repr=False)
+    energy: float | None = None
 
     @property
     def u(self) -> Array | None:

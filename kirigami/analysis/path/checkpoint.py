@@ -15,12 +15,11 @@ import warnings
 from contextlib import suppress
 from dataclasses import fields, is_dataclass
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from kirigami.analysis.path.points import Attempt, Point, State
-from kirigami.analysis.path.run import PathRun
 from kirigami.analysis.path.settings import PathSettings
 from kirigami.errors import AnalysisError, KirigamiError, KirigamiWarning, ModelError
 from kirigami.linalg import SingularMatrixError
@@ -31,6 +30,9 @@ from kirigami.results.archive import pack, read, unpack_path, write
 from kirigami.results.results import Results
 from kirigami.results.step import Step
 from kirigami.system.system import System
+
+if TYPE_CHECKING:
+    from kirigami.analysis.path.walk import Walk
 
 VERSION = 2  # of what is remembered; checkpoints of another one are refused
 BUSY = 20  # a checkpoint waits until this many times the seconds that the last one took have passed
@@ -72,13 +74,13 @@ class Checkpoint:
             raise AnalysisError(f"{self.path} is no checkpoint, or it is damaged ({error!r})") from None
         return results, memory
 
-    def note(self, run: PathRun) -> None:
-        """Remember where a run stands and, where the last writing is long enough ago, write it."""
-        run.count_seconds()
-        snapshot = copy.copy(run.results)  # what the next step adds must not get into the file without its memory
-        snapshot.steps, snapshot.events = list(run.results.steps), list(run.results.events)
-        snapshot.stats = dict(run.results.stats)
-        self._pending = snapshot, run.memory
+    def note(self, walk: Walk) -> None:
+        """Remember where a walk stands and, where the last writing is long enough ago, write it."""
+        walk.count_seconds()
+        snapshot = copy.copy(walk.results)  # what the next step adds must not get into the file without its memory
+        snapshot.steps, snapshot.events = list(walk.results.steps), list(walk.results.events)
+        snapshot.stats = dict(walk.results.stats)
+        self._pending = snapshot, walk.memory
         if time.monotonic() >= self._next:
             self.finish()
 
@@ -162,12 +164,13 @@ def _add(digest: Any, value: Any, model: Model) -> None:
         )
 
 
-def resume(run: PathRun, start: State, stored: Results, memory: dict[str, Any]) -> Point:
-    """Bring a run to where a checkpoint left it."""
-    system, results = run.system, run.results
+def resume(walk: Walk, start: State, stored: Results, memory: dict[str, Any]) -> Point:
+    """Bring a walk to where a checkpoint left it."""
+    system, results = walk.system, walk.results
+    walk.memory = memory
     # The order of elimination comes from the first matrix, and the last bits of every solution from the order.
     with suppress(SingularMatrixError):
-        run.factorize_blocks(system.stiffness_blocks(start.u, start.lam))
+        walk.factorize_blocks(system.stiffness_blocks(start.u, start.lam))
     for step in stored.steps:
         results.append(step)
     results.events.extend(stored.events)
@@ -175,9 +178,17 @@ def resume(run: PathRun, start: State, stored: Results, memory: dict[str, Any]) 
     q = system.unknowns(system.joined(last.u, last.inner))
     state = State(q, last.lam, system.displacement(q, last.lam))
     system.history = before.history  # as it was when the tangent was taken
-    tangent = run.tangent_at(Attempt(state, True, last.residual, 0))
+    attempt = Attempt(state, True, last.residual, 0)
+    try:
+        if walk.steps.taken_at is not None:
+            blocks = system.stiffness_blocks(walk.steps.taken_at, last.lam)
+            attempt.stiffness = blocks, walk.factorize_blocks(blocks)
+        tangent = walk.tangent_at(attempt)
+    except SingularMatrixError:
+        tangent = None
     if tangent is None:
         raise AnalysisError("the last step of the checkpoint is singular: it was not written by this version")
     system.history = last.history
-    run.go_on(memory, stored.stats)
+    results.stats = stored.stats
+    walk.take_seconds(stored.stats["seconds"])
     return Point(state, tangent, last.history)

@@ -12,6 +12,10 @@ from kirigami.primitives.kernel import Array
 from kirigami.primitives.node import AXES, Node
 from kirigami.system.system import System
 
+RATE_MARGIN = 0.5  # how far the mean rate of the load factor may lie off those at the ends, as a share of the larger
+BENT = 0.5  # most that corrections at a given load may turn members, as a share of what the increment turns them
+HARMLESS = 1e-3  # ... or this angle [rad]
+BOTH_WAYS = 0.25  # most by which a step's chord may lie off the tangents on both sides at once [rad]
 SHARPEST_TURN = 0.5  # cosine of the largest angle between the tangent of a step and its chord
 NEARLY_STRAIGHT = 0.95  # cosine of an angle so small that a step lies ahead whatever else speaks against it
 
@@ -44,8 +48,23 @@ class Control:
         return self.predict(1.0, rate) * float(np.sign(ends[1] - ends[0]))
 
     def doubt(self, before: Point, attempt: Attempt, tangent: Tangent) -> str:
-        """Why a converged attempt is not to be trusted to lie ahead on the same path; empty where it is."""
-        return ""
+        """Why a converged attempt is not to be trusted to lie ahead on the same path; empty where it is.
+
+        The mean rate of the load factor along a smooth piece lies between those at its ends, or not far off. Else it
+        has turned twice in between, or the attempt lies on another path.
+        """
+        begin, end = (self.load_rate(t.rate, before.state, attempt.state) for t in (before.tangent, tangent))
+        mean = (attempt.state.lam - before.state.lam) / self.walked(before.state, attempt.state)
+        if not np.isfinite([begin, end, mean]).all():
+            return ""
+        margin = abs(end - begin) + RATE_MARGIN * max(abs(begin), abs(end))
+        if min(begin, end) - margin <= mean <= max(begin, end) + margin:
+            return ""
+        return "the load factor turned twice within the increment, or the equilibrium lies on another path"
+
+    def walked(self, before: State, after: State) -> float:
+        """How far the parameter went."""
+        return abs(self.value(after.q, after.lam) - self.value(before.q, before.lam))
 
     def accept(self, before: State, after: State) -> None:
         """Note that the path went on from `before` to `after`."""
@@ -67,6 +86,11 @@ class LoadFactorControl(Control):
 
     def predict(self, increment: float, rate: Array) -> float:
         return increment
+
+    def doubt(self, before: Point, attempt: Attempt, tangent: Tangent) -> str:
+        if attempt.drift > max(BENT * attempt.moved, HARMLESS):
+            return f"equilibrium found {attempt.drift:.2g} rad off the prediction, maybe beyond a limit point"
+        return ""
 
 
 class SingleDisplacementControl(Control):
@@ -183,10 +207,24 @@ class ArcLengthControl(Control):
         straight = self.sense * self._dot(begin, change, rise) / (self.distance(begin, 1.0) * walked)
         if straight < SHARPEST_TURN:
             return "the path would turn back on itself"
+        if np.arccos(np.clip(straight, -1, 1)) + self._angle(end, change, rise) - self._between(begin, end) > BOTH_WAYS:
+            return "the path bends to and fro within the increment, maybe to another path"
         turned = self._dot(end, change, rise) * self.sense < 0
         if turned and (tangent.factor.negative - before.negative) % 2 == 0 and straight < NEARLY_STRAIGHT:
             return "the load factor turned without a limit point, maybe on another branch"
-        return ""
+
+        return super().doubt(before, attempt, tangent)
+
+    def walked(self, before: State, after: State) -> float:
+        return self.distance(after.u - before.u, after.lam - before.lam)
+
+    def _angle(self, along: Array, change: Array, rise: float) -> float:
+        """Angle [rad] between the line of a tangent and a step, at most a right one."""
+        size = self.distance(along, 1.0) * self.distance(change, rise)
+        return float(np.arccos(min(abs(self._dot(along, change, rise)) / size, 1.0)))
+
+    def _between(self, begin: Array, end: Array) -> float:
+        return self._angle(begin, end, 1.0)
 
     def accept(self, before: State, after: State) -> None:
         self.direction, self.load_direction = after.u - before.u, after.lam - before.lam

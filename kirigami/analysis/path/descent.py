@@ -21,13 +21,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from kirigami.analysis.path.newton import ROTATION_CAP
+from kirigami.analysis.path.iterate import Iterate
 from kirigami.analysis.path.points import Attempt, State
 from kirigami.linalg import Factor, SingularMatrixError, inverse_iteration
-from kirigami.primitives.kernel import Ahead, Array, Tangent
+from kirigami.primitives.kernel import Ahead, Array
 from kirigami.system.system import System
 
-CHORD_GAIN = 0.5  # a chord step must at least halve the residual to be kept
 PUSH = 0.05  # turn of a member by which an unstable equilibrium is pushed off along its mode [rad]
 
 
@@ -73,6 +72,8 @@ class Strategy:
 
 
 CORRECTORS = {
+    "path": Strategy(),
+    "slow": Strategy(),
     "newton": Strategy(
         newton_first=True,
         least=0.02,
@@ -107,8 +108,8 @@ def descend(
     return _Descent(system, factorize, start, tol, strategy, ahead).run(max_iterations, on_iteration)
 
 
-class _Descent:
-    """State of one descent: unknowns, residual, and the amount by which the tangent is made positive definite."""
+class _Descent(Iterate):
+    """A descent, with the amount by which the tangent is made positive definite."""
 
     def __init__(
         self,
@@ -119,15 +120,11 @@ class _Descent:
         strategy: Strategy,
         ahead: Ahead,
     ) -> None:
-        self.system, self.factorize, self.tol, self.strategy = system, factorize, tol, strategy
-        self.q, self.lam, self.u = start.q.copy(), start.lam, start.u
+        super().__init__(system, factorize, start, tol, ahead)
+        self.strategy = strategy
         self.amount = 0.0
-        self.ahead = ahead  # the last linear step, whose stress the next tangent takes
-        self.residual, self.relative = np.zeros(0), 0.0
-        self.history: list[float] = []
         self.left: tuple[State, Array, Factor] | None = None
         self._unit: Array | None = None
-        self._balance()
 
     def run(self, max_iterations: int, on_iteration: Callable[[], None]) -> Attempt:
         for iteration in range(max_iterations + 1):
@@ -136,15 +133,17 @@ class _Descent:
                 return self._attempt(iteration, "a member collapsed (forces are not finite)")
             try:
                 if self.relative <= self.tol:
-                    blocks, factor = self._exact()
+                    self.ahead = None  # what follows is measured at an equilibrium
+                    blocks = self.blocks()
+                    factor = self.factorize(blocks)
                     if factor.negative == 0:
                         found = self._attempt(iteration)
                         found.stiffness = blocks, factor
                         return found
                     if self.left is None:
-                        self.left = State(self.q, self.lam, self.u), blocks, factor
-                    self._move(self._push(factor))
-                    self._balance()
+                        self.left = self.state, blocks, factor
+                    self.move(self._push(factor))
+                    self.balance()
                 elif iteration < max_iterations:
                     self._iterate()
             except SingularMatrixError as error:
@@ -154,37 +153,27 @@ class _Descent:
 
     def _iterate(self) -> None:
         """One step with a positive definite tangent, and chord steps after it."""
-        factor = self._positive_factor()
-        step = self._solve(factor)
-        change = self._change(step)
-        turn = self.system.largest_rotation(change)
-        if not np.isfinite(turn):
-            raise SingularMatrixError("the correction is not finite")
-        if turn > ROTATION_CAP:
-            step, change = (ROTATION_CAP / turn) * step, (ROTATION_CAP / turn) * change
-        self.ahead = self.u, change
-        self._move(step)
-        self._balance()
-        for _ in range(self.strategy.chords):
-            if not self.tol < self.relative < 0.1 or not self._chord(factor):
-                break
         strategy = self.strategy
+        factor = self._positive_factor()
+        self.correct(factor)
+        self.chords(factor, strategy.chords)
         self.amount = self.amount / strategy.decay if self.amount > 0.25 * strategy.least else 0.0
 
     def _positive_factor(self) -> Factor:
         """Factor of the tangent with just enough done to it for no pivot to be negative."""
         strategy = self.strategy
-        factor = self.factorize(self._blocks())
+        factor = self.factorize(self._raised())
         while factor.negative and self.amount < strategy.most:
             grown = max(self.amount * strategy.growth, strategy.least)
             self.amount = strategy.most if factor.negative > strategy.many else min(grown, strategy.most)
-            factor = self.factorize(self._blocks())
+            factor = self.factorize(self._raised())
         return factor
 
-    def _blocks(self) -> Array:
+    def _raised(self) -> Array:
+        """Blocks of the tangent with the present amount of fading or mass."""
         if self.strategy.means == "fade":
-            return self.system.stiffness_blocks(self.u, self.lam, Tangent(self.amount, self.ahead))
-        blocks = self.system.stiffness_blocks(self.u, self.lam, Tangent(ahead=self.ahead))
+            return self.blocks(self.amount)
+        blocks = self.blocks()
         plan = self.system.plan
         own = np.flatnonzero(plan.low == plan.high)
         axes = np.arange(self.system.dim)
@@ -194,48 +183,11 @@ class _Descent:
         blocks[axes[:, None], axes[:, None], own] = diagonal + self.amount * self._unit
         return blocks
 
-    def _chord(self, factor: Factor) -> bool:
-        """A correction with an old factor, kept where it lowers the residual well."""
-        step = self._solve(factor)
-        change = self._change(step)
-        if not self.system.largest_rotation(change) < ROTATION_CAP:
-            return False
-        with np.errstate(all="ignore"):
-            residual, relative = self.system.imbalance(self.u + change, self.lam)
-        if not relative < CHORD_GAIN * self.relative:
-            return False
-        self.ahead = self.u, change
-        self._move(step)
-        self.residual, self.relative = residual, relative
-        return True
-
-    def _exact(self) -> tuple[Array, Factor]:
-        """The exact tangent and its factor."""
-        self.ahead = None  # what follows is measured at an equilibrium
-        blocks = self.system.stiffness_blocks(self.u, self.lam)
-        return blocks, self.factorize(blocks)
-
     def _push(self, factor: Factor) -> Array:
         """A small move along the mode nearest to neutral, by inverse iteration; its largest entry is positive."""
         _, mode = inverse_iteration(factor, self.system.free, 8)
         mode *= np.sign(mode[np.argmax(np.abs(mode))])
-        return mode * (PUSH / self.system.largest_rotation(self._change(mode)))
-
-    def _balance(self) -> None:
-        with np.errstate(all="ignore"):
-            self.residual, self.relative = self.system.imbalance(self.u, self.lam)
-
-    def _solve(self, factor: Factor) -> Array:
-        with self.system.clock("solve"):
-            return -factor.solve(self.residual)
-
-    def _change(self, step: Array) -> Array:
-        return self.system.displacement(self.q + step, self.lam) - self.u
-
-    def _move(self, step: Array) -> None:
-        self.q = self.q + step
-        self.u = self.system.displacement(self.q, self.lam)
+        return mode * (PUSH / self.system.largest_rotation(self.change(mode)))
 
     def _attempt(self, iteration: int, reason: str = "") -> Attempt:
-        state = State(self.q, self.lam, self.u)
-        return Attempt(state, not reason, self.relative, iteration, self.history, reason, left_at=self.left)
+        return Attempt(self.state, not reason, self.relative, iteration, self.history, reason, left_at=self.left)

@@ -22,6 +22,7 @@ from kirigami.system.system import System
 
 LIMIT_TOLERANCE = 1e-7  # relative error in load to which limit points are located
 BIFURCATION_TOLERANCE = 1e-4  # share of the range of load factors to which bifurcations are located
+SAME_PLACE = 0.02  # share of an increment within which a limit point and a change of stability are one
 JUMP = 20.0  # growth of the mean speed along an increment beyond which displacements jump
 SETTLED = 1e-4  # change of the critical eigenvalue from one inverse iteration to the next that is small enough
 SNAP = 1e-3  # least energy set free, as a share of the stored energy, that counts as a snap
@@ -49,18 +50,20 @@ def report_events(
 ) -> None:
     """Add to the results of `run` what happened between two of its points, one increment apart.
 
-    `left` is the unstable equilibrium at the end of the increment that was left downhill for `after`, if any. Raises
-    a JumpError where `after` turns out to lie on another path, or with `strict` where that cannot be excluded.
+    `left` is the unstable equilibrium at the end of the increment that was left downhill for `after`, if any. With
+    `strict` raises a JumpError where `after` or `left` lies on another path, or where that cannot be excluded.
     """
     events, index = run.results.events, len(run.results) - 1
     bracket = (before.state.lam, after.state.lam)
     reached = after if left is None else left
     try:
         leaves = run.settings.on_instability != "follow" and reached.negative > before.negative  # at the first one
-        _report_singular_points(run, before, reached, increment, index, leaves, strict and left is None)
+        _report_singular_points(run, before, reached, increment, index, leaves, strict)
     except JumpError:
-        if left is None:
+        if strict:
             raise
+        if left is None:
+            _tell_change(run, before.negative, reached.negative, bracket, index)
     finally:
         run.system.history = after.history
     if left is not None:
@@ -77,9 +80,14 @@ def report_events(
         if share > SNAP:
             message = (
                 f"snap between load factors {bracket[0]:.6g} and {bracket[1]:.6g}: "
-                f"energy of {released:.3g} was set free ({100 * share:.2g} %)"
+                f"energy of {released:.3g} (force times length) was set free, {100 * share:.2g} % of what is stored"
             )
-            events.append(Event("snap", 0.5 * sum(bracket), index, message, bracket))
+            events.append(Event("snap", 0.5 * sum(bracket), index, message, bracket, energy=released))
+
+
+def sets_energy_free(run: PathRun, before: Point, after: Point) -> bool:
+    """Whether more energy is lost between two points than a smooth stable path explains: a snap lies between them."""
+    return _energy_set_free(run, before, after)[1] > SNAP
 
 
 def _energy_set_free(run: PathRun, before: Point, after: Point) -> tuple[float, float]:
@@ -122,28 +130,51 @@ def _report_singular_points(
         if abs(after.negative - before.negative) == 1:
             return  # the change of stability is the limit point itself
     low, end = Place(0.0, before), Place(increment, after)
+    crossings: list[tuple[Place, Place]] = []
+    lost = False
     try:
-        while low.point.negative != end.point.negative:
-            near, far = _locate_crossing(run, before, low, end)
-            if limit is None or not near.way <= limit.way <= far.way:
-                place = min(near, far, key=lambda p: abs(critical_pair(run.system, p.point.tangent)[0]))
-                message = (
-                    f"bifurcation at load factor {place.point.state.lam:.8g} "
-                    f"({near.point.negative} to {far.point.negative} negative eigenvalues)"
-                )
-                _append(run, "bifurcation", place, index, message, bracket)
-            if only_first:
-                return
-            low = far
+        while low.point.negative != end.point.negative and not (only_first and crossings):
+            crossings.append(_locate_crossing(run, before, low, end))
+            low = crossings[-1][1]
     except LostPathError:
         if strict:
             raise JumpError from None
-        between = low.point.state.lam, end.point.state.lam
+        lost = True
+    own = None if limit is None else _crossing_at(limit, crossings, increment)
+    for near, far in crossings:
+        if (near, far) == own:
+            continue
+        place = min(near, far, key=lambda p: abs(critical_pair(run.system, p.point.tangent)[0]))
         message = (
-            f"{low.point.negative} to {end.point.negative} negative eigenvalues between load factors "
-            f"{between[0]:.6g} and {between[1]:.6g}"
+            f"bifurcation at load factor {place.point.state.lam:.8g} "
+            f"({near.point.negative} to {far.point.negative} negative eigenvalues)"
         )
-        run.results.events.append(Event("stability change", 0.5 * sum(between), index, message, bracket))
+        _append(run, "bifurcation", place, index, message, bracket)
+    if lost:
+        _tell_change(run, low.point.negative, end.point.negative, (low.point.state.lam, end.point.state.lam), index)
+
+
+def _crossing_at(
+    limit: Place, crossings: list[tuple[Place, Place]], increment: float
+) -> tuple[Place, Place] | None:
+    """The change of stability that is the limit point itself, since exactly one eigenvalue changes its sign there."""
+    single = [pair for pair in crossings if abs(pair[1].point.negative - pair[0].point.negative) == 1]
+    if not single:
+        return None
+
+    def apart(pair: tuple[Place, Place]) -> float:
+        return max(abs(limit.way - place.way) for place in pair)
+
+    nearest = min(single, key=apart)
+    return nearest if apart(nearest) <= SAME_PLACE * abs(increment) else None
+
+
+def _tell_change(run: PathRun, old: int, new: int, bracket: tuple[float, float], index: int) -> None:
+    """Add a change of stability that was not located to the events."""
+    message = (
+        f"{old} to {new} negative eigenvalues between load factors {bracket[0]:.6g} and {bracket[1]:.6g} (not located)"
+    )
+    run.results.events.append(Event("stability change", 0.5 * sum(bracket), index, message, bracket))
 
 
 def _append(run: PathRun, kind: str, place: Place, index: int, message: str, bracket: tuple[float, float]) -> None:

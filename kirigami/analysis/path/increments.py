@@ -23,8 +23,11 @@ class Increments:
     ) -> None:
         self.size, self.largest, self.smallest = abs(first), abs(largest), abs(smallest)
         self.targets = list(targets)  # in the order they are met; the last one ends the walk
-        self.way = _way([origin, *self.targets])  # length of all of it, there and back
-        self.sense = 1.0
+        self.first, self.leg = self.size, origin  # where the way last turned
+        stations = [origin, *self.targets]
+        self.way, self.longest = _way(stations), max(stations) - min(stations)  # there and back; from end to end
+        self.sense = 0.0
+        self.at_turns = float("inf")  # largest size where the way turns
         self.least_growth, self.growth_after_snap = 0.5, 1.0
 
     def next_increment(self, value: float) -> float | None:
@@ -36,7 +39,9 @@ class Increments:
                 return None
             self.targets.pop(0)
         remaining = self.targets[0] - value
-        self.sense = float(np.sign(remaining))
+        if np.sign(remaining) != self.sense:
+            self.sense, self.leg = float(np.sign(remaining)), value
+            self.size = min(self.size, self.at_turns)
         if abs(remaining) <= 1.0001 * self.size:
             return remaining
         if abs(remaining) < 2 * self.size:  # two even increments instead of a whole one and a splinter
@@ -61,7 +66,10 @@ class Increments:
             growth = self.growth_after_snap
         elif attempt.drift > 0:
             growth = min(growth, (DRIFT_WANTED / attempt.drift) ** 0.5)  # the drift grows with the square
-        growth = float(np.clip(growth, self.least_growth, 2.5))
+        self.resize(increment, float(np.clip(growth, self.least_growth, 2.5)))
+
+    def resize(self, increment: float, growth: float) -> None:
+        """Next size as a multiple of the increment just made."""
         # A short increment that only served to hit a target says nothing about the size to go on with.
         base = abs(increment) if growth < 1 or abs(increment) > 0.99 * self.size else self.size
         self.size = min(max(base * growth, self.smallest), self.largest)

@@ -12,9 +12,11 @@ from numpy.typing import ArrayLike
 
 from kirigami.analysis.base import require_drive
 from kirigami.analysis.path.controls import ArcLengthControl, Control, LoadFactorControl, SingleDisplacementControl
+from kirigami.analysis.path.descent import CORRECTORS
 from kirigami.analysis.path.follow import PathAnalysis
 from kirigami.analysis.path.increments import Increments, checked_targets
 from kirigami.analysis.path.points import Point
+from kirigami.analysis.path.stable import FIRST
 from kirigami.errors import ModelError
 from kirigami.model.model import Model
 from kirigami.primitives.checks import require_finite
@@ -23,6 +25,7 @@ from kirigami.results.results import Results
 from kirigami.results.step import Event, Step
 from kirigami.system.system import System
 
+CAREFUL = ("path", "slow")  # correctors that go on from short increments, at the start and where the way turns
 SMALLEST = 1e-7  # smallest increment, as a share of the whole range
 GROWTH = 0.1  # share of the distance from the start that an arc may have
 
@@ -54,8 +57,17 @@ class _RangeAnalysis(PathAnalysis):
         begin = control.value(point.state.q, point.state.lam)
         targets = [*self.targets, self.to] if self.targets[-1:] != [self.to] else list(self.targets)
         span = max(begin, *targets) - min(begin, *targets)
-        first = self.step if self.step is not None else span / 20
-        return Increments(first, max(span / 10, first), SMALLEST * max(span, first), targets, begin)
+        downhill = self.goes_downhill(control)
+        near = downhill and self.corrector in CAREFUL
+        first = self.step if self.step is not None else (FIRST if near else 0.05) * span
+        largest, smallest = max(span / (5 if near else 10), first), SMALLEST * max(span, first)
+        increments = Increments(first, largest, smallest, targets, begin)
+        if near:
+            increments.first = increments.at_turns = min(first, FIRST * span)
+        if downhill:
+            strategy = CORRECTORS[self.corrector]
+            increments.least_growth, increments.growth_after_snap = strategy.least_growth, strategy.growth_after_snap
+        return increments
 
 
 class LoadControl(_RangeAnalysis):
@@ -110,7 +122,7 @@ class LoadControl(_RangeAnalysis):
         start: Step | Event | None = None,
         on_instability: str = "follow",
         branch: int | None = None,
-        corrector: str = "newton",
+        corrector: str = "path",
     ) -> None:
         super().__init__(model, to, targets, step, tol, start, on_instability, branch, corrector)
 
@@ -177,7 +189,7 @@ class DisplacementControl(_RangeAnalysis):
         start: Step | Event | None = None,
         on_instability: str | None = None,
         branch: int | None = None,
-        corrector: str = "newton",
+        corrector: str = "path",
     ) -> None:
         if on_instability is None:
             on_instability = "switch" if control is None else "follow"

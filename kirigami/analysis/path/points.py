@@ -29,9 +29,11 @@ class Attempt:
     history: list[float] = field(default_factory=list)
     reason: str = ""
     relaxed: bool = False
-    drift: float = 0.0
+    drift: float = 0.0  # turn by which the corrections left the prediction
+    moved: float = 0.0  # turn from the last point
     left: Point | None = None  # the unstable equilibrium that a relaxation left
     stiffness: tuple[Array, Factor] | None = None  # exact blocks and factor there, where they are known
+    stiffness_at: State | None = None  # where these were taken, if not at the state itself but within rounding of it
     left_at: tuple[State, Array, Factor] | None = None  # first unstable equilibrium met, its blocks and factor
 
 

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-import copy
-from typing import Any
+from functools import cached_property
 
 import numpy as np
 
@@ -14,6 +13,7 @@ from kirigami.analysis.path.increments import Increments
 from kirigami.analysis.path.newton import correct
 from kirigami.analysis.path.points import Attempt, Point, State, Tangent
 from kirigami.analysis.path.settings import PathSettings
+from kirigami.errors import ConvergenceError
 from kirigami.linalg import Factor, SingularMatrixError
 from kirigami.primitives.kernel import Ahead, Array
 
@@ -45,22 +45,9 @@ class PathRun(Run):
         self.system.check_supports()
 
     @property
-    def memory(self) -> dict[str, Any]:
-        """What must be stored to go on later as if nothing had been."""
-        return {"increments": copy.deepcopy(vars(self.increments)), **self.control.memory}
-
-    def go_on(self, memory: dict[str, Any], stats: dict[str, Any]) -> None:
-        """Take up the memory and the counts of an earlier run."""
-        self.increments = Increments(1.0, 1.0, 1.0)
-        vars(self.increments).update(memory.pop("increments"))
-        vars(self.control).update(memory)
-        self.results.stats = stats
-        self.take_seconds(stats["seconds"])
-
-    @property
     def downhill(self) -> bool:
         """Whether unstable equilibria are left for stable ones at the same load factor."""
-        return self.settings.on_instability == "switch" and isinstance(self.control, LoadFactorControl)
+        return self.settings.goes_downhill(self.control)
 
     def predict(self, before: Point, increment: float) -> tuple[State, Array] | None:
         """The state on the tangent, one increment on, and the change to it; None where the tangent leads nowhere."""
@@ -85,6 +72,7 @@ class PathRun(Run):
         attempt = self.correct(self.control, state, (before.state.u, change))
         attempt.iterations += 1
         attempt.drift = system.largest_rotation(attempt.state.u - state.u)
+        attempt.moved = system.largest_rotation(attempt.state.u - before.state.u)
         if attempt.converged and attempt.drift > DRIFT_LARGEST:
             attempt.converged = False
             attempt.reason = f"equilibrium found {attempt.drift:.2f} rad off the prediction, maybe on another branch"
@@ -152,6 +140,52 @@ class PathRun(Run):
         """Factor of the reduced matrix of assembled blocks."""
         return self.factorize(self.system.matrix(blocks))
 
+    @cached_property
+    def weight(self) -> Array:
+        """What each unknown (free,) weighs: the area of the sheet about its node; without a mesh all the same."""
+        system, mesh = self.system, self.system.model.mesh
+        area = np.ones(len(system.rest))
+        if mesh is not None:
+            area[:] = 0.0
+            np.add.at(area, mesh.triangles.ravel(), np.repeat(mesh.facet_areas / 3, 3))
+        weight: Array = system.reduce(np.repeat(area[:, None], system.dim, axis=1))
+        np.maximum(weight, 1e-6 * weight.max(initial=0.0), out=weight)
+        return weight
+
     def count_iteration(self) -> None:
         """One more correction."""
         self.results.stats["iterations"] += 1
+
+    def failure(self, attempt: Attempt, increment: float) -> ConvergenceError:
+        """What to raise where no equilibrium is found after the last one."""
+        system, results = self.system, self.results
+        total, _ = system.forces(attempt.state.u, attempt.state.lam)
+        unbalanced = np.zeros(system.rest.size)
+        moving = system.unknown >= 0
+        unbalanced[moving] = total.ravel()[moving]
+        size = np.linalg.norm(unbalanced.reshape(total.shape)[: system.points], axis=1)
+        worst = np.argsort(-np.nan_to_num(size, nan=np.inf), kind="stable")[:5].tolist()
+        where = f"after load factor {results.steps[-1].lam:.6g}" if results.steps else "at the start"
+        named = ", ".join(f"{k} {system.model.nodes[k]!r}" for k in worst[:3])
+        return ConvergenceError(
+            f"no equilibrium found {where}, last increment {increment:.3g}: {attempt.reason or 'not converged'}; "
+            f"largest unbalanced forces at nodes {named}",
+            results=results,
+            history=attempt.history,
+            worst_nodes=worst,
+            hint=self._hint(attempt),
+        )
+
+    def _hint(self, attempt: Attempt) -> str:
+        negative = self.results.steps[-1].negative if self.results.steps else 0
+        if negative:
+            return (
+                "the last step is unstable: a slightly different imperfection (Model.perturb with a mode of Eigen) "
+                "lets the path take the stable branch"
+            )
+        if isinstance(self.control, LoadFactorControl) and not self.system.drive.any():
+            return "past a limit point no equilibrium exists at a higher load: use DisplacementControl or ArcLength"
+        return (
+            "a larger imperfection (Model.perturb), a smaller step, or ArcLength where the path turns back; "
+            "the results so far are in error.results"
+        )

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from kirigami.analysis.base import Analysis
-from kirigami.analysis.path.controls import Control
+from kirigami.analysis.path.controls import Control, LoadFactorControl
 from kirigami.analysis.path.descent import CORRECTORS
 from kirigami.analysis.path.increments import Increments
 from kirigami.analysis.path.points import Point
@@ -32,7 +32,7 @@ class PathSettings(Analysis):
         start: Step | Event | None,
         on_instability: str,
         branch: int | None,
-        corrector: str = "newton",
+        corrector: str = "path",
     ) -> None:
         super().__init__(model)
         owner = type(self).__name__
@@ -55,6 +55,10 @@ class PathSettings(Analysis):
         if start is not None and not isinstance(start, Step):
             raise ModelError(f"{owner}: start must be a Step, such as results[-1], or an Event, got {start!r}")
         self.start = start
+
+    def goes_downhill(self, control: Control) -> bool:
+        """Whether unstable equilibria are left for stable ones at the same load factor."""
+        return self.on_instability == "switch" and isinstance(control, LoadFactorControl)
 
     def memorable(self) -> dict[str, Any]:
         """What tells this analysis from another one of the same model; where it ends by choice does not."""

@@ -7,19 +7,22 @@ are negative there is stored with it.
 
 from __future__ import annotations
 
+import copy
 from collections.abc import Callable, Iterable
-from typing import Any, NoReturn
+from typing import Any
 
 import numpy as np
 
 from kirigami.analysis.path.branching import leave_along_mode, switch
 from kirigami.analysis.path.checkpoint import Checkpoint, resume
 from kirigami.analysis.path.controls import LoadFactorControl
-from kirigami.analysis.path.descent import CORRECTORS
-from kirigami.analysis.path.events import JumpError, report_events
-from kirigami.analysis.path.points import Attempt, Point, State, Tangent
+from kirigami.analysis.path.increments import Increments
+from kirigami.analysis.path.points import Attempt, Point, State
 from kirigami.analysis.path.run import PathRun
 from kirigami.analysis.path.settings import PathSettings
+from kirigami.analysis.path.slow import SlowSteps
+from kirigami.analysis.path.stable import StableSteps
+from kirigami.analysis.path.steps import NewtonSteps, Steps
 from kirigami.errors import ConvergenceError, ModelError
 from kirigami.progress import ProgressBar
 from kirigami.results.results import Results
@@ -27,7 +30,8 @@ from kirigami.results.step import Event, Step
 
 Recorder = Callable[[Step], None]
 
-CUTS_AT_EVENTS = 8  # shorter increments tried where the path to a change of stability cannot be traced
+# Where unstable equilibria are left; else increments are made by Newton's method.
+STEPS: dict[str, type[Steps]] = {"path": StableSteps, "slow": SlowSteps}
 
 
 class Walk(PathRun):
@@ -48,6 +52,21 @@ class Walk(PathRun):
         self.recorders = tuple(recorders)
         self.checkpoint: Checkpoint | None = None
         self.bar = ProgressBar(False, "")
+        self.steps: Steps = STEPS.get(settings.corrector, NewtonSteps)(self) if self.downhill else NewtonSteps(self)
+
+    @property
+    def memory(self) -> dict[str, Any]:
+        """What must be stored to go on later as if nothing had been."""
+        own = {f"steps.{name}": value for name, value in self.steps.memory.items()}
+        return {"increments": copy.deepcopy(vars(self.increments)), **self.control.memory, **own}
+
+    @memory.setter
+    def memory(self, stored: dict[str, Any]) -> None:
+        self.increments = Increments(1.0, 1.0, 1.0)
+        vars(self.increments).update(stored["increments"])
+        vars(self.control).update({name: stored[name] for name in self.control.memory})
+        for name in [name for name in stored if name.startswith("steps.")]:
+            setattr(self.steps, name.removeprefix("steps."), stored[name])
 
     def follow(self, stored: tuple[Results, dict[str, Any]] | None) -> None:
         """Walk from the start, or from where a checkpoint left off, to the end."""
@@ -58,10 +77,6 @@ class Walk(PathRun):
         else:
             point = self._first_equilibrium(start) if settings.branch is None else self._begin_branch(start)
             self.increments = settings.plan(self.control, point)
-        if self.downhill:
-            strategy = CORRECTORS[settings.corrector]
-            self.increments.least_growth = strategy.least_growth
-            self.increments.growth_after_snap = strategy.growth_after_snap
         self.bar.start(self._progress(point))
         while len(results) <= settings.max_steps:
             stop = settings.on_instability == "stop" and len(results) > 1 and point.negative > 0
@@ -71,42 +86,18 @@ class Walk(PathRun):
             if increment is None:
                 return
             before, known = point, len(results.events)
-            point, attempt, increment = self._advance(before, increment)
+            point, attempt, increment = self.steps.advance(before, increment)
             if settings.on_instability == "switch" and not isinstance(self.control, LoadFactorControl):
                 before, point, attempt = switch(self, results.events[known:], before, point, attempt)
             self.control.accept(before.state, point.state)
             self._store(point, attempt)
             settings.steer(self.increments, results, point)
-            self.increments.adapt(increment, attempt)
+            self.steps.settle(before, point, attempt, increment)
             if self.checkpoint is not None:
                 self.checkpoint.note(self)
             self.bar.move(self._progress(point))
         message = f"ended after {settings.max_steps} steps, the most allowed, at load factor {results[-1].lam:.6g}"
         results.events.append(Event("step limit", results[-1].lam, len(results) - 1, message))
-
-    def _advance(self, before: Point, increment: float) -> tuple[Point, Attempt, float]:
-        """The next point, how it was found, and the increment that led there after as many cuts as it took."""
-        system, results = self.system, self.results
-        cuts, most = 0, CORRECTORS[self.settings.corrector].cuts
-        while True:
-            attempt, tangent = self._step(before, increment, cuts >= most or self.increments.is_short(increment))
-            known = len(results.events)
-            if tangent is not None:
-                system.commit(attempt.state.u)
-                point = Point(attempt.state, tangent, system.history)
-                try:
-                    report_events(self, before, point, increment, attempt.left, strict=cuts < CUTS_AT_EVENTS)
-                    return point, attempt, increment
-                except JumpError:
-                    del results.events[known:]
-                    attempt.reason = "the equilibrium found lies on another path"
-            results.stats["cutbacks"] += 1
-            cuts += 1
-            system.history = before.history
-            shorter = self.increments.cut(increment)
-            if shorter is None:
-                self._fail(attempt, increment)
-            increment = shorter
 
     def _progress(self, point: Point) -> float | None:
         return self.increments.progress(self.control.value(point.state.q, point.state.lam))
@@ -115,27 +106,6 @@ class Walk(PathRun):
         """Write what the checkpoint, if there is one, has not written yet."""
         if self.checkpoint is not None:
             self.checkpoint.finish()
-
-    def _step(self, before: Point, increment: float, hard: bool) -> tuple[Attempt, Tangent | None]:
-        """One increment: downhill where unstable equilibria are to be left, else by Newton's method alone."""
-        if self.downhill and not CORRECTORS[self.settings.corrector].newton_first:
-            attempt = self.relax(before, increment, hold=hard)
-            return attempt, self.tangent_at(attempt)
-        attempt = self.try_increment(before, increment)
-        tangent = self.tangent_at(attempt)
-        if tangent is not None:
-            attempt.reason = self.control.doubt(before, attempt, tangent)
-            if attempt.reason:
-                return attempt, None
-        relax = hard if tangent is None else tangent.factor.negative > 0
-        if self.downhill and relax:
-            relaxed = self.relax(before, increment, hold=True)
-            relaxed.relaxed = True
-            relaxed_tangent = self.tangent_at(relaxed)
-            if relaxed_tangent is not None:
-                relaxed.left = None if tangent is None else Point(attempt.state, tangent, before.history)
-                return relaxed, relaxed_tangent
-        return attempt, tangent
 
     def _begin_branch(self, origin: State) -> Point:
         """The first step on a branch of the bifurcation that the analysis starts from, which is stored as step 0."""
@@ -190,7 +160,7 @@ class Walk(PathRun):
             attempt = self.descend(state)
         tangent = self.tangent_at(attempt)
         if tangent is None:
-            self._fail(attempt, 0.0)
+            raise self.failure(attempt, 0.0)
         system.commit(attempt.state.u)
         point = Point(attempt.state, tangent, system.history)
         self._store(point, attempt)
@@ -204,38 +174,3 @@ class Walk(PathRun):
         self.results.append(step)
         for recorder in self.recorders:
             recorder(step)
-
-    # ---- failure
-
-    def _fail(self, attempt: Attempt, increment: float) -> NoReturn:
-        system, results = self.system, self.results
-        total, _ = system.forces(attempt.state.u, attempt.state.lam)
-        unbalanced = np.zeros(system.rest.size)
-        moving = system.unknown >= 0
-        unbalanced[moving] = total.ravel()[moving]
-        size = np.linalg.norm(unbalanced.reshape(total.shape)[: system.points], axis=1)
-        worst = np.argsort(-np.nan_to_num(size, nan=np.inf), kind="stable")[:5].tolist()
-        where = f"after load factor {results.steps[-1].lam:.6g}" if results.steps else "at the start"
-        named = ", ".join(f"{k} {system.model.nodes[k]!r}" for k in worst[:3])
-        raise ConvergenceError(
-            f"no equilibrium found {where}, last increment {increment:.3g}: {attempt.reason or 'not converged'}; "
-            f"largest unbalanced forces at nodes {named}",
-            results=results,
-            history=attempt.history,
-            worst_nodes=worst,
-            hint=self._hint(attempt),
-        )
-
-    def _hint(self, attempt: Attempt) -> str:
-        negative = self.results.steps[-1].negative if self.results.steps else 0
-        if negative:
-            return (
-                "the last step is unstable: a slightly different imperfection (Model.perturb with a mode of Eigen) "
-                "lets the path take the stable branch"
-            )
-        if isinstance(self.control, LoadFactorControl) and not self.system.drive.any():
-            return "past a limit point no equilibrium exists at a higher load: use DisplacementControl or ArcLength"
-        return (
-            "a larger imperfection (Model.perturb), a smaller step, or ArcLength where the path turns back; "
-            "the results so far are in error.results"
-        )

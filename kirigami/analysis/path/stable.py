@@ -1,0 +1,186 @@
+"""The corrector "path": along the stable path, and where it is lost downhill from close by.
+
+A sheet that is pulled slowly follows the stable equilibria that hang together, and where they end it moves downhill.
+Long increments lead elsewhere: nearly all of the error of the other correctors is made in the first one, which passes
+the first buckle. So
+
+* the increments are as long as the path is smooth: predicted with the tangent and its change, corrected a few times
+  (:mod:`kirigami.analysis.path.tracking`), kept where the corrections are small against the distance moved;
+* where the path is lost or bends sharply, the descent starts from a short way on: at most a quarter of the distance
+  from the start, and where it sets energy free a twentieth of it, so that the snap is bracketed;
+* where the path goes on unstable, the descent leaves along the softest mode of the last stable equilibrium, in the
+  sense in which the path was moving, which is the side that an imperfection chooses.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from kirigami.analysis.path.events import JumpError, report_events, sets_energy_free
+from kirigami.analysis.path.points import Attempt, Point, State, Tangent
+from kirigami.analysis.path.steps import Steps
+from kirigami.analysis.path.tracking import track
+from kirigami.linalg import SingularMatrixError, inverse_iteration
+from kirigami.primitives.kernel import Array
+
+FIRST = 1e-4  # first increment, as a share of the range
+SHARE = 0.25  # most that an increment may be, as a share of the distance from the start
+CLOSE = 0.05  # share of the distance from the start to which a snap is bracketed
+CUT = 0.4  # factor of an increment that was too long
+SMOOTH = 0.5  # most that corrections may turn members, as a share of what the increment turns them
+STRAIGHT = 0.1  # the same where a path goes on unstable
+HARMLESS = 1e-3  # ... or this angle [rad]
+WANTED = 0.02  # turn by which corrections shall leave the prediction: steers the increments [rad]
+PREDICTED_TURN = 0.2  # a prediction that turns a member by more is not followed [rad]
+DESCENT_TURN = 1.0  # ... and is no start for a descent [rad]
+HELD_TURN = 0.02  # turn up to which a prediction is followed before a descent then [rad]
+PUSH = 0.01  # turn by which an unstable equilibrium is left along the softest mode [rad]
+
+
+class StableSteps(Steps):
+    """Increments of the corrector "path"."""
+
+    rate: Array | None = None  # change of the unknowns with the load factor at the last but one point of a smooth path
+    rate_lam = 0.0  # its load factor
+
+    def advance(self, before: Point, increment: float) -> tuple[Point, Attempt, float]:
+        run, increments = self.run, self.run.increments
+        distance = abs(before.state.lam - increments.leg)
+        least = max(CLOSE * distance, increments.smallest)
+        reach = max(SHARE * distance, min(increments.first, abs(increment)))
+        sense = float(np.sign(increment))
+        while True:
+            short = abs(increment) <= least * 1.0001
+            attempt, guess, turn = self._along(before, increment)
+            tangent = run.tangent_at(attempt)
+            if tangent is not None and tangent.factor.negative == 0 and self._is_smooth(before, attempt):
+                return self._accept(attempt, tangent), attempt, increment
+            if abs(increment) > 1.0001 * reach or (turn > DESCENT_TURN and not short):
+                shorter = min(CUT * abs(increment), reach)
+                increment = self._cut(before, sense * max(shorter, least))
+                continue
+            landed = self._downhill(before, guess, attempt, tangent, increment, turn)
+            landed_tangent = run.tangent_at(landed)
+            if landed_tangent is None:
+                increment = self.cut(before, landed, increment)
+                continue
+            run.system.commit(landed.state.u)
+            point = Point(landed.state, landed_tangent, run.system.history)
+            if not short and sets_energy_free(run, before, point):
+                increment = self._cut(before, sense * max(CUT * abs(increment), least))
+                continue
+            self._report(before, point, increment, landed.left)
+            self.taken_at = landed.state.u
+            return point, landed, increment
+
+    def _cut(self, before: Point, increment: float) -> float:
+        self.run.results.stats["cutbacks"] += 1
+        self.run.system.history = before.history
+        return increment
+
+    def _along(self, before: Point, increment: float) -> tuple[Attempt, State, float]:
+        """An attempt along the path, the prediction on its tangent, and the turn to that."""
+        run, system = self.run, self.run.system
+        predicted = run.predict(before, increment)
+        assert predicted is not None  # the load factor itself is the parameter
+        ahead, change = predicted
+        turn = system.largest_rotation(change)
+        if not turn < PREDICTED_TURN:
+            return Attempt(before.state, False, float("inf"), 0, [], "the increment turns members too far"), ahead, turn
+        start = ahead
+        if self.rate is not None and self.rate_lam != before.state.lam:
+            bend = 0.5 * increment**2 * (before.tangent.rate - self.rate) / (before.state.lam - self.rate_lam)
+            bent = system.displacement(ahead.q + bend, ahead.lam)
+            if system.largest_rotation(bent - ahead.u) < 0.5 * turn:
+                start = State(ahead.q + bend, ahead.lam, bent)
+        tol, count = run.settings.tol, run.count_iteration
+        linear = before.state.u, change
+        attempt = track(system, run.factorize_blocks, start, tol, linear, before.tangent.factor, count)
+        attempt.iterations += 1
+        return attempt, ahead, turn
+
+    def _is_smooth(self, before: Point, attempt: Attempt) -> bool:
+        """Whether corrections were small against the distance moved, as on one smooth path."""
+        moved = self.run.system.largest_rotation(attempt.state.u - before.state.u)
+        return attempt.drift < max(SMOOTH * moved, HARMLESS)
+
+    def _goes_on(self, before: Point, attempt: Attempt) -> bool:
+        """Whether an unstable equilibrium may be on the same path: beside an imperfect bifurcation lie others."""
+        moved = self.run.system.largest_rotation(attempt.state.u - before.state.u)
+        return attempt.drift < STRAIGHT * moved
+
+    def _accept(self, attempt: Attempt, tangent: Tangent) -> Point:
+        self.run.system.commit(attempt.state.u)
+        self.taken_at = attempt.state.u if attempt.stiffness_at is None else attempt.stiffness_at.u
+        return Point(attempt.state, tangent, self.run.system.history)
+
+    def _downhill(
+        self, before: Point, guess: State, attempt: Attempt, tangent: Tangent | None, increment: float, turn: float
+    ) -> Attempt:
+        """A descent at the end of the increment; it tells which unstable equilibrium it left, if any."""
+        run, system = self.run, self.run.system
+        linear = None
+        left: Point | None = None
+        if tangent is not None and tangent.factor.negative:
+            if self._goes_on(before, attempt):
+                left = Point(attempt.state, tangent, before.history)
+            start = self._off(before, guess, increment)
+        elif turn <= DESCENT_TURN:
+            start, linear = guess, (before.state.u, guess.u - before.state.u)
+        else:
+            part = HELD_TURN / turn if np.isfinite(turn) else 0.0
+            q = before.state.q + part * (guess.q - before.state.q)
+            start = State(q, guess.lam, system.displacement(q, guess.lam))
+        landed = run.descend(start, linear)
+        landed.iterations += 1
+        landed.drift = system.largest_rotation(landed.state.u - guess.u)
+        landed.relaxed = True
+        if left is None and landed.left_at is not None:
+            unstable, blocks, factor = landed.left_at
+            met = Attempt(unstable, True, 0.0, 0, drift=system.largest_rotation(unstable.u - guess.u))
+            if self._goes_on(before, met):
+                rate = -factor.solve(system.load_rate(unstable.u, unstable.lam, blocks))
+                left = Point(unstable, Tangent(blocks, factor, rate), before.history)
+        landed.left = left
+        run.results.stats["relaxations"] += 1
+        return landed
+
+    def _off(self, before: Point, guess: State, increment: float) -> State:
+        """The prediction, pushed a little along the softest mode of the last stable equilibrium."""
+        system = self.run.system
+        try:
+            _, mode = inverse_iteration(before.tangent.factor, system.free, 30, 1e-3)
+        except SingularMatrixError:
+            return guess
+        along = float(mode @ (self.run.weight * before.tangent.rate)) * np.sign(increment)
+        mode *= np.sign(along) or 1.0
+        shape = system.displacement(mode, 0.0) - system.displacement(0 * mode, 0.0)
+        q = guess.q + mode * (PUSH / system.largest_rotation(shape))
+        return State(q, guess.lam, system.displacement(q, guess.lam))
+
+    def _report(self, before: Point, after: Point, increment: float, left: Point | None) -> None:
+        """Tell what was met; an unstable equilibrium that cannot be traced back to `before` lies on another path."""
+        known = len(self.run.results.events)
+        try:
+            report_events(self.run, before, after, increment, left, strict=left is not None)
+        except JumpError:
+            del self.run.results.events[known:]
+            report_events(self.run, before, after, increment, strict=False)
+
+    def settle(self, before: Point, after: Point, attempt: Attempt, increment: float) -> None:
+        increments = self.run.increments
+        if attempt.relaxed:
+            self.rate = None
+            increments.resize(increment, 2.0)
+        else:
+            self.rate, self.rate_lam = before.tangent.rate, before.state.lam
+            increments.resize(increment, float(np.clip((WANTED / max(attempt.drift, 1e-9)) ** 0.5, 0.5, 2.0)))
+        distance = abs(after.state.lam - increments.leg)
+        increments.size = min(increments.size, max(SHARE * distance, increments.first))
+
+    @property
+    def memory(self) -> dict[str, Any]:
+        arrays = {"rate": self.rate, "taken_at": self.taken_at}
+        return {"rate_lam": self.rate_lam, **{name: value for name, value in arrays.items() if value is not None}}

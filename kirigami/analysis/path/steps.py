@@ -1,0 +1,90 @@
+"""How an increment is made, by corrector: attempts, cuts, and the events between the two points."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from kirigami.analysis.path.descent import CORRECTORS
+from kirigami.analysis.path.events import JumpError, report_events
+from kirigami.analysis.path.points import Attempt, Point, Tangent
+from kirigami.analysis.path.run import PathRun
+from kirigami.primitives.kernel import Array
+
+CUTS_AT_EVENTS = 8  # shorter increments tried where the path to a change of stability cannot be traced
+
+
+class Steps:
+    """From one point to the next; what is remembered between increments is in :attr:`memory`."""
+
+    taken_at: Array | None = None  # displacements where the factor of the last point was taken, if not there itself
+
+    def __init__(self, run: PathRun) -> None:
+        self.run = run
+
+    def advance(self, before: Point, increment: float) -> tuple[Point, Attempt, float]:
+        """The next point, how it was found, and the increment that led there after as many cuts as it took."""
+        raise NotImplementedError
+
+    def settle(self, before: Point, after: Point, attempt: Attempt, increment: float) -> None:
+        """Adjust the increments once `after` is accepted."""
+        self.run.increments.adapt(increment, attempt)
+
+    @property
+    def memory(self) -> dict[str, Any]:
+        """Attributes that must be stored to go on later as if nothing had been."""
+        return {}
+
+    def cut(self, before: Point, attempt: Attempt, increment: float) -> float:
+        """A shorter increment after an attempt that is not to be kept, or a ConvergenceError."""
+        run = self.run
+        run.results.stats["cutbacks"] += 1
+        run.system.history = before.history
+        shorter = run.increments.cut(increment)
+        if shorter is None:
+            raise run.failure(attempt, increment)
+        return shorter
+
+
+class NewtonSteps(Steps):
+    """Newton's method at shorter and shorter increments; downhill where unstable equilibria are to be left."""
+
+    def advance(self, before: Point, increment: float) -> tuple[Point, Attempt, float]:
+        run, events = self.run, self.run.results.events
+        cuts, most = 0, CORRECTORS[run.settings.corrector].cuts
+        while True:
+            attempt, tangent = self._attempt(before, increment, cuts >= most or run.increments.is_short(increment))
+            known = len(events)
+            if tangent is not None:
+                run.system.commit(attempt.state.u)
+                point = Point(attempt.state, tangent, run.system.history)
+                try:
+                    strict = attempt.left is None and cuts < CUTS_AT_EVENTS
+                    report_events(run, before, point, increment, attempt.left, strict)
+                    return point, attempt, increment
+                except JumpError:
+                    del events[known:]
+                    attempt.reason = "the equilibrium found lies on another path"
+            increment = self.cut(before, attempt, increment)
+            cuts += 1
+
+    def _attempt(self, before: Point, increment: float, hard: bool) -> tuple[Attempt, Tangent | None]:
+        """One increment: downhill where unstable equilibria are to be left, else by Newton's method alone."""
+        run = self.run
+        if run.downhill and not CORRECTORS[run.settings.corrector].newton_first:
+            attempt = run.relax(before, increment, hold=hard)
+            return attempt, run.tangent_at(attempt)
+        attempt = run.try_increment(before, increment)
+        tangent = run.tangent_at(attempt)
+        if tangent is not None:
+            attempt.reason = run.control.doubt(before, attempt, tangent)
+            if attempt.reason:
+                return attempt, None
+        relax = hard if tangent is None else tangent.factor.negative > 0
+        if run.downhill and relax:
+            relaxed = run.relax(before, increment, hold=True)
+            relaxed.relaxed = True
+            relaxed_tangent = run.tangent_at(relaxed)
+            if relaxed_tangent is not None:
+                relaxed.left = None if tangent is None else Point(attempt.state, tangent, before.history)
+                return relaxed, relaxed_tangent
+        return attempt, tangent

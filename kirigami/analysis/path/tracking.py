@@ -1,0 +1,80 @@
+"""Corrections that stay on a stable path, at a given load factor: they end near the prediction or are given up early.
+
+Newton's method with the mixed stress of :mod:`kirigami.analysis.path.newton`. The factor of the last equilibrium serves
+for the first corrections, since a short increment hardly changes it. From a small residual on the tangent is the exact
+one, so that the last factor also tells whether the equilibrium is stable, without a factorisation of its own.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+
+from kirigami.analysis.path.iterate import Iterate
+from kirigami.analysis.path.points import Attempt, State
+from kirigami.linalg import Factor, SingularMatrixError
+from kirigami.primitives.kernel import Ahead, Array
+from kirigami.system.system import System
+
+FACTORS = 5  # most factorisations before a shorter increment is the better idea
+CHORDS = 4  # most corrections with one factor
+NEAR = 1e-4  # relative residual from which on the exact tangent is used
+STILL = 1e-4  # turn after the last factorisation up to which that factor stands for the equilibrium [rad]
+DRIFT_LARGEST = 0.05  # turn off the prediction at which an attempt is given up [rad]
+
+
+def track(
+    system: System,
+    factorize: Callable[[Array], Factor],
+    start: State,
+    tol: float,
+    ahead: Ahead,
+    factor: Factor,
+    on_iteration: Callable[[], None] = lambda: None,
+) -> Attempt:
+    """Correct the prediction `start`, first with the `factor` of the equilibrium that it was made from.
+
+    The attempt holds the stiffness at its end, which need not be stable, and the turn by which it left the prediction.
+    """
+    at = Iterate(system, factorize, start, tol, ahead)
+    taken_at: State | None = None
+    blocks, own = np.zeros(0), factor
+    iteration = 0
+
+    def ended(reason: str = "") -> Attempt:
+        drift = system.largest_rotation(at.u - start.u)
+        attempt = Attempt(at.state, not reason, at.relative, iteration, at.history, reason, drift=drift)
+        if not reason and taken_at is not None:
+            attempt.stiffness, attempt.stiffness_at = (blocks, own), taken_at
+        return attempt
+
+    try:
+        at.chords(factor, CHORDS)
+        for iteration in range(FACTORS + 1):
+            at.history.append(at.relative)
+            if not np.isfinite(at.relative):
+                return ended("a member collapsed (forces are not finite)")
+            if system.largest_rotation(at.u - start.u) > DRIFT_LARGEST:
+                return ended("the path bends away from the prediction")
+            if at.relative <= tol:
+                near = taken_at is not None and system.largest_rotation(at.u - taken_at.u) < STILL
+                if not near:
+                    at.ahead, taken_at = None, at.state
+                    blocks = at.blocks()
+                    own = factorize(blocks)
+                return ended()
+            if iteration == FACTORS:
+                break
+            exact = at.relative < NEAR
+            if exact:
+                at.ahead = None
+            taken_at = at.state if exact else None
+            blocks = at.blocks()
+            own = factorize(blocks)
+            at.correct(own)
+            at.chords(own, CHORDS)
+            on_iteration()
+    except SingularMatrixError as error:
+        return ended(str(error))
+    return ended("too many iterations")
