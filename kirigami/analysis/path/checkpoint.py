@@ -182,7 +182,7 @@ def resume(walk: Walk, start: State, stored: Results, memory: dict[str, Any]) ->
     try:
         if walk.steps.taken_at is not None:
             blocks = system.stiffness_blocks(walk.steps.taken_at, last.lam)
-            attempt.stiffness = blocks, walk.factorize_blocks(blocks)
+            attempt.stiffness = blocks, walk.factorize_blocks(blocks), state
         tangent = walk.tangent_at(attempt)
     except SingularMatrixError:
         tangent = None

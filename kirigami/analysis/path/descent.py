@@ -133,12 +133,10 @@ class _Descent(Iterate):
                 return self._attempt(iteration, "a member collapsed (forces are not finite)")
             try:
                 if self.relative <= self.tol:
-                    self.ahead = None  # what follows is measured at an equilibrium
-                    blocks = self.blocks()
-                    factor = self.factorize(blocks)
+                    blocks, factor, taken_at = self.stiffness()
                     if factor.negative == 0:
                         found = self._attempt(iteration)
-                        found.stiffness = blocks, factor
+                        found.stiffness = blocks, factor, taken_at
                         return found
                     if self.left is None:
                         self.left = self.state, blocks, factor
@@ -162,7 +160,7 @@ class _Descent(Iterate):
     def _positive_factor(self) -> Factor:
         """Factor of the tangent with just enough done to it for no pivot to be negative."""
         strategy = self.strategy
-        factor = self.factorize(self._raised())
+        factor = self.factor() if self.amount == 0 else self.factorize(self._raised())
         while factor.negative and self.amount < strategy.most:
             grown = max(self.amount * strategy.growth, strategy.least)
             self.amount = strategy.most if factor.negative > strategy.many else min(grown, strategy.most)

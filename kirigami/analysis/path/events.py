@@ -85,6 +85,16 @@ def report_events(
             events.append(Event("snap", 0.5 * sum(bracket), index, message, bracket, energy=released))
 
 
+def tell_events(run: PathRun, before: Point, after: Point, increment: float, left: Point | None) -> None:
+    """As :func:`report_events`, but an unstable `left` that cannot be traced back to `before` lies on another path."""
+    known = len(run.results.events)
+    try:
+        report_events(run, before, after, increment, left, strict=left is not None)
+    except JumpError:
+        del run.results.events[known:]
+        report_events(run, before, after, increment, strict=False)
+
+
 def sets_energy_free(run: PathRun, before: Point, after: Point) -> bool:
     """Whether more energy is lost between two points than a smooth stable path explains: a snap lies between them."""
     return _energy_set_free(run, before, after)[1] > SNAP

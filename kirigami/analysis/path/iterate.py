@@ -13,6 +13,8 @@ from kirigami.primitives.kernel import Ahead, Array, Tangent
 from kirigami.system.system import System
 
 CHORD_GAIN = 0.5  # a chord step must at least halve the residual to be kept
+NEAR = 1e-4  # relative residual from which on the exact tangent is used
+STILL = 1e-4  # turn of a member up to which an exact tangent stands for the equilibrium found with it [rad]
 CHORDS_BELOW = 0.1  # relative residual from which on chord steps are worth trying
 
 
@@ -39,6 +41,7 @@ class Iterate:
         self.ahead = ahead
         self.residual, self.relative = np.zeros(0), 0.0
         self.history: list[float] = []
+        self._taken: tuple[Array, Factor, State] | None = None  # the last exact tangent, and where
         self.balance()
 
     @property
@@ -55,6 +58,23 @@ class Iterate:
         """Node blocks of the tangent, with the stress of the last linear step."""
         with np.errstate(all="ignore"):
             return self.system.stiffness_blocks(self.u, self.lam, Tangent(convexity, self.ahead))
+
+    def factor(self) -> Factor:
+        """Factor of the tangent; of the exact one, once the residual is small."""
+        if self.relative < NEAR:
+            self.ahead = None
+        blocks = self.blocks()
+        factor = self.factorize(blocks)
+        self._taken = (blocks, factor, self.state) if self.ahead is None else None
+        return factor
+
+    def stiffness(self) -> tuple[Array, Factor, State]:
+        """Blocks and factor of the exact tangent at an equilibrium, and where they were taken: there or hardly off."""
+        if self._taken is None or not self.system.largest_rotation(self.u - self._taken[2].u) < STILL:
+            self.ahead = None
+            blocks = self.blocks()
+            self._taken = blocks, self.factorize(blocks), self.state
+        return self._taken
 
     def correct(self, factor: Factor) -> None:
         """One correction, shortened where it would turn a member too far."""

@@ -32,8 +32,7 @@ class Attempt:
     drift: float = 0.0  # turn by which the corrections left the prediction
     moved: float = 0.0  # turn from the last point
     left: Point | None = None  # the unstable equilibrium that a relaxation left
-    stiffness: tuple[Array, Factor] | None = None  # exact blocks and factor there, where they are known
-    stiffness_at: State | None = None  # where these were taken, if not at the state itself but within rounding of it
+    stiffness: tuple[Array, Factor, State] | None = None  # exact blocks and factor, and where taken, if they are known
     left_at: tuple[State, Array, Factor] | None = None  # first unstable equilibrium met, its blocks and factor
 
 

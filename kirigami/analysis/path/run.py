@@ -124,7 +124,7 @@ class PathRun(Run):
         system, state = self.system, attempt.state
         try:
             if attempt.stiffness is not None:
-                blocks, factor = attempt.stiffness
+                blocks, factor, _ = attempt.stiffness
             else:
                 with np.errstate(all="ignore"):  # a member without length is told of where the step is stored
                     blocks = system.stiffness_blocks(state.u, state.lam)

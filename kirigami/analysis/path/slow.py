@@ -14,13 +14,13 @@ from typing import Any
 
 import numpy as np
 
-from kirigami.analysis.path.events import report_events
+from kirigami.analysis.path.events import tell_events
 from kirigami.analysis.path.points import Attempt, Point, State
 from kirigami.analysis.path.run import PathRun
-from kirigami.analysis.path.stable import SHARE
+from kirigami.analysis.path.stable import PUSH, SHARE
 from kirigami.analysis.path.steps import Steps
 from kirigami.analysis.path.tracking import track
-from kirigami.linalg import Factor, SingularMatrixError
+from kirigami.linalg import Factor, SingularMatrixError, inverse_iteration
 from kirigami.primitives.kernel import Ahead, Array, Tangent
 
 SLOW = 100.0  # relaxation times in which the distance of the load factor from the start grows by a factor e
@@ -51,9 +51,9 @@ class SlowSteps(Steps):
 
     @property
     def memory(self) -> dict[str, Any]:
-        arrays = {"moving": self.moving, "velocity": self.velocity, "taken_at": self.taken_at}
+        arrays = {"moving": self.moving, "velocity": self.velocity}
         plain = {name: getattr(self, name) for name in ("moving_lam", "time_step", "relaxation")}
-        return {**plain, **{name: value for name, value in arrays.items() if value is not None}}
+        return {**super().memory, **plain, **{name: value for name, value in arrays.items() if value is not None}}
 
     def advance(self, before: Point, increment: float) -> tuple[Point, Attempt, float]:
         run = self.run
@@ -74,8 +74,7 @@ class SlowSteps(Steps):
             raise run.failure(attempt, increment)
         run.system.commit(attempt.state.u)
         point = Point(attempt.state, tangent, run.system.history)
-        report_events(run, before, point, increment, strict=False)
-        self.taken_at = attempt.state.u if attempt.stiffness_at is None else attempt.stiffness_at.u
+        tell_events(run, before, point, increment, attempt.left)
         return point, attempt, increment
 
     def settle(self, before: Point, after: Point, attempt: Attempt, increment: float) -> None:
@@ -91,19 +90,34 @@ class SlowSteps(Steps):
     def _equilibrium(self, before: Point) -> Attempt:
         """The stable equilibrium by the motion, which is held at its load factor until there is one."""
         run = self.run
-        near = NEAR
+        near, left = NEAR, None
         while True:
             state = self._state()
             tol, count = run.settings.tol, run.count_iteration
             attempt = track(run.system, run.factorize_blocks, state, tol, None, before.tangent.factor, count)
             stable = attempt.stiffness is not None and attempt.stiffness[1].negative == 0
             if stable and attempt.drift < NEAR:
+                attempt.left, attempt.relaxed = left, left is not None
                 return attempt
             near *= 0.5
             while (turn := self._move(self.moving_lam)) > near:
                 pass
             if turn < RESTING:
-                raise _StuckError("the motion came to rest at no stable equilibrium")
+                if attempt.stiffness is None or attempt.drift > NEAR:
+                    raise _StuckError("the motion came to rest at no equilibrium")
+                tangent = run.tangent_at(attempt)
+                assert tangent is not None
+                left = left or Point(attempt.state, tangent, before.history)
+                self._push(attempt.state, tangent.factor)
+
+    def _push(self, state: State, factor: Factor) -> None:
+        """Leave an unstable equilibrium at which the motion rests along its softest mode, since nothing else will."""
+        system = self.run.system
+        _, mode = inverse_iteration(factor, system.free, 8)
+        mode *= np.sign(mode[np.argmax(np.abs(mode))])
+        shape = system.displacement(mode, 0.0) - system.displacement(0 * mode, 0.0)
+        self.moving, self.velocity = state.q + mode * (PUSH / system.largest_rotation(shape)), None
+        self.time_step = 0.01 * self.relaxation
 
     def _move(self, target: float) -> float:
         """One time step towards the load factor `target`, or at a held one; the largest turn of a member in it."""

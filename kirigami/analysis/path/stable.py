@@ -18,7 +18,7 @@ from typing import Any
 
 import numpy as np
 
-from kirigami.analysis.path.events import JumpError, report_events, sets_energy_free
+from kirigami.analysis.path.events import sets_energy_free, tell_events
 from kirigami.analysis.path.points import Attempt, Point, State, Tangent
 from kirigami.analysis.path.steps import Steps
 from kirigami.analysis.path.tracking import track
@@ -71,8 +71,7 @@ class StableSteps(Steps):
             if not short and sets_energy_free(run, before, point):
                 increment = self._cut(before, sense * max(CUT * abs(increment), least))
                 continue
-            self._report(before, point, increment, landed.left)
-            self.taken_at = landed.state.u
+            tell_events(run, before, point, increment, landed.left)
             return point, landed, increment
 
     def _cut(self, before: Point, increment: float) -> float:
@@ -113,7 +112,6 @@ class StableSteps(Steps):
 
     def _accept(self, attempt: Attempt, tangent: Tangent) -> Point:
         self.run.system.commit(attempt.state.u)
-        self.taken_at = attempt.state.u if attempt.stiffness_at is None else attempt.stiffness_at.u
         return Point(attempt.state, tangent, self.run.system.history)
 
     def _downhill(
@@ -160,15 +158,6 @@ class StableSteps(Steps):
         q = guess.q + mode * (PUSH / system.largest_rotation(shape))
         return State(q, guess.lam, system.displacement(q, guess.lam))
 
-    def _report(self, before: Point, after: Point, increment: float, left: Point | None) -> None:
-        """Tell what was met; an unstable equilibrium that cannot be traced back to `before` lies on another path."""
-        known = len(self.run.results.events)
-        try:
-            report_events(self.run, before, after, increment, left, strict=left is not None)
-        except JumpError:
-            del self.run.results.events[known:]
-            report_events(self.run, before, after, increment, strict=False)
-
     def settle(self, before: Point, after: Point, attempt: Attempt, increment: float) -> None:
         increments = self.run.increments
         if attempt.relaxed:
@@ -177,10 +166,11 @@ class StableSteps(Steps):
         else:
             self.rate, self.rate_lam = before.tangent.rate, before.state.lam
             increments.resize(increment, float(np.clip((WANTED / max(attempt.drift, 1e-9)) ** 0.5, 0.5, 2.0)))
-        distance = abs(after.state.lam - increments.leg)
-        increments.size = min(increments.size, max(SHARE * distance, increments.first))
+        straight = not attempt.relaxed and attempt.drift < 0.01 * WANTED
+        share = 1.0 if straight else SHARE  # as before the first buckle
+        increments.size = min(increments.size, max(share * abs(after.state.lam - increments.leg), increments.first))
 
     @property
     def memory(self) -> dict[str, Any]:
-        arrays = {"rate": self.rate, "taken_at": self.taken_at}
-        return {"rate_lam": self.rate_lam, **{name: value for name, value in arrays.items() if value is not None}}
+        own = {} if self.rate is None else {"rate": self.rate, "rate_lam": self.rate_lam}
+        return {**super().memory, **own}

@@ -32,7 +32,7 @@ class Steps:
     @property
     def memory(self) -> dict[str, Any]:
         """Attributes that must be stored to go on later as if nothing had been."""
-        return {}
+        return {} if self.taken_at is None else {"taken_at": self.taken_at}
 
     def cut(self, before: Point, attempt: Attempt, increment: float) -> float:
         """A shorter increment after an attempt that is not to be kept, or a ConvergenceError."""

@@ -19,8 +19,6 @@ from kirigami.system.system import System
 
 FACTORS = 5  # most factorisations before a shorter increment is the better idea
 CHORDS = 4  # most corrections with one factor
-NEAR = 1e-4  # relative residual from which on the exact tangent is used
-STILL = 1e-4  # turn after the last factorisation up to which that factor stands for the equilibrium [rad]
 DRIFT_LARGEST = 0.05  # turn off the prediction at which an attempt is given up [rad]
 
 
@@ -38,16 +36,11 @@ def track(
     The attempt holds the stiffness at its end, which need not be stable, and the turn by which it left the prediction.
     """
     at = Iterate(system, factorize, start, tol, ahead)
-    taken_at: State | None = None
-    blocks, own = np.zeros(0), factor
     iteration = 0
 
     def ended(reason: str = "") -> Attempt:
         drift = system.largest_rotation(at.u - start.u)
-        attempt = Attempt(at.state, not reason, at.relative, iteration, at.history, reason, drift=drift)
-        if not reason and taken_at is not None:
-            attempt.stiffness, attempt.stiffness_at = (blocks, own), taken_at
-        return attempt
+        return Attempt(at.state, not reason, at.relative, iteration, at.history, reason, drift=drift)
 
     try:
         at.chords(factor, CHORDS)
@@ -58,23 +51,14 @@ def track(
             if system.largest_rotation(at.u - start.u) > DRIFT_LARGEST:
                 return ended("the path bends away from the prediction")
             if at.relative <= tol:
-                near = taken_at is not None and system.largest_rotation(at.u - taken_at.u) < STILL
-                if not near:
-                    at.ahead, taken_at = None, at.state
-                    blocks = at.blocks()
-                    own = factorize(blocks)
-                return ended()
-            if iteration == FACTORS:
-                break
-            exact = at.relative < NEAR
-            if exact:
-                at.ahead = None
-            taken_at = at.state if exact else None
-            blocks = at.blocks()
-            own = factorize(blocks)
-            at.correct(own)
-            at.chords(own, CHORDS)
-            on_iteration()
+                found = ended()
+                found.stiffness = at.stiffness()
+                return found
+            if iteration < FACTORS:
+                factor = at.factor()
+                at.correct(factor)
+                at.chords(factor, CHORDS)
+                on_iteration()
     except SingularMatrixError as error:
         return ended(str(error))
     return ended("too many iterations")

@@ -89,6 +89,7 @@ class Walk(PathRun):
             point, attempt, increment = self.steps.advance(before, increment)
             if settings.on_instability == "switch" and not isinstance(self.control, LoadFactorControl):
                 before, point, attempt = switch(self, results.events[known:], before, point, attempt)
+            self.steps.taken_at = None if attempt.stiffness is None else attempt.stiffness[2].u
             self.control.accept(before.state, point.state)
             self._store(point, attempt)
             settings.steer(self.increments, results, point)
@@ -155,7 +156,7 @@ class Walk(PathRun):
         tangent_there = self.first_factor(state.u, state.lam)
         attempt = self.correct(stay, state)
         if attempt.iterations == 0:
-            attempt.stiffness = tangent_there
+            attempt.stiffness = *tangent_there, state
         if not attempt.converged:
             attempt = self.descend(state)
         tangent = self.tangent_at(attempt)
