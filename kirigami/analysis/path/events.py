@@ -26,6 +26,8 @@ SAME_PLACE = 0.02  # share of an increment within which a limit point and a chan
 JUMP = 20.0  # growth of the mean speed along an increment beyond which displacements jump
 SETTLED = 1e-4  # change of the critical eigenvalue from one inverse iteration to the next that is small enough
 SNAP = 1e-3  # least energy set free, as a share of the stored energy, that counts as a snap
+SNAP_AFTER_DESCENT = 1e-5  # the same where the path was left for a descent, so that it is no error of the estimate
+FAR = 0.25  # turn off the path from which on a descent is told of as a jump [rad]
 
 
 @dataclass
@@ -46,12 +48,19 @@ class JumpError(Exception):
 
 
 def report_events(
-    run: PathRun, before: Point, after: Point, increment: float, left: Point | None = None, strict: bool = True
+    run: PathRun,
+    before: Point,
+    after: Point,
+    increment: float,
+    left: Point | None = None,
+    strict: bool = True,
+    landed: float = 0.0,
 ) -> None:
     """Add to the results of `run` what happened between two of its points, one increment apart.
 
     `left` is the unstable equilibrium at the end of the increment that was left downhill for `after`, if any. With
-    `strict` raises a JumpError where `after` or `left` lies on another path, or where that cannot be excluded.
+    `strict` raises a JumpError where `after` or `left` lies on another path, or where that cannot be excluded. `landed`
+    is the turn by which a descent left the path on the way to `after` [rad]; 0 without one.
     """
     events, index = run.results.events, len(run.results) - 1
     bracket = (before.state.lam, after.state.lam)
@@ -77,22 +86,30 @@ def report_events(
         events.append(Event("switch failed", bracket[1], index, message, bracket))
     if isinstance(run.control, LoadFactorControl):
         released, share = _energy_set_free(run, before, after)
-        if share > SNAP:
+        if share > (SNAP_AFTER_DESCENT if landed else SNAP):
             message = (
                 f"snap between load factors {bracket[0]:.6g} and {bracket[1]:.6g}: "
                 f"energy of {released:.3g} (force times length) was set free, {100 * share:.2g} % of what is stored"
             )
             events.append(Event("snap", 0.5 * sum(bracket), index, message, bracket, energy=released))
+        elif landed > FAR:
+            message = (
+                f"jump between load factors {bracket[0]:.6g} and {bracket[1]:.6g}: a member turned {landed:.2g} rad "
+                "off the path, in a sharp bend or a snap that sets less energy free than these increments can tell"
+            )
+            events.append(Event("jump", 0.5 * sum(bracket), index, message, bracket))
 
 
-def tell_events(run: PathRun, before: Point, after: Point, increment: float, left: Point | None) -> None:
+def tell_events(
+    run: PathRun, before: Point, after: Point, increment: float, left: Point | None, landed: float = 0.0
+) -> None:
     """As :func:`report_events`, but an unstable `left` that cannot be traced back to `before` lies on another path."""
     known = len(run.results.events)
     try:
-        report_events(run, before, after, increment, left, strict=left is not None)
+        report_events(run, before, after, increment, left, left is not None, landed)
     except JumpError:
         del run.results.events[known:]
-        report_events(run, before, after, increment, strict=False)
+        report_events(run, before, after, increment, None, False, landed)
 
 
 def sets_energy_free(run: PathRun, before: Point, after: Point) -> bool:

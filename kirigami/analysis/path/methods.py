@@ -83,7 +83,9 @@ class LoadControl(_RangeAnalysis):
         Load factors that are hit exactly and stored on the way, in the order given, and then `to`: ``targets=[1.0],
         to=0.0`` pulls and lets go.
     step : float, optional
-        First increment; None takes a twentieth of the range. Increments adapt and stay below a tenth of it.
+        First increment; None takes a twentieth of the range, or with corrector "path" and "slow" where they act a
+        ten-thousandth. Increments adapt; they stay below a tenth of the range, or with these two below a fifth, and
+        below a quarter of the distance from where the way began or last turned.
     tol : float
         Relative residual that every stored step meets.
     start : Step or Event, optional
@@ -93,13 +95,14 @@ class LoadControl(_RangeAnalysis):
         real structure does in a snap; or stop there. Events tell what was met.
     branch : {1, -1}, optional
         With a bifurcation as `start`: leave it along its mode, or against it.
-    corrector : {"newton", "descent", "viscous"}
-        How stable equilibria are found where unstable ones are left (on_instability "switch"). "newton": by Newton's
-        method at shorter and shorter increments, and downhill only where it fails, which stays closest to the path.
-        "descent": downhill at once, with compression faded out of the tangent where it is indefinite; cheaper on thin
-        cut sheets (benchmarks/correctors.py), but a long increment may pass over a snap and land on another stable
-        shape: give `targets` or a short `step` where the shape matters. "viscous": the same by an implicit viscous
-        motion.
+    corrector : {"path", "slow", "newton", "descent", "viscous"}
+        How the stable equilibria of a structure that snaps are found (on_instability "switch"). "path": along the
+        stable path in increments as long as it is smooth, and where it is lost downhill from close by; lands where a
+        slow pull does (benchmarks/landing.py). "slow": that slow pull itself, with a little damping, as the reference;
+        three to ten times dearer. The others take long increments from the start, so that they may pass over a buckle
+        and land on another stable shape: "newton" by Newton's method at shorter and shorter increments, and downhill
+        where it fails; "descent" downhill at once, with compression faded out of the tangent where it is indefinite;
+        "viscous" the same by an implicit viscous motion.
 
     Examples
     --------
@@ -147,7 +150,9 @@ class DisplacementControl(_RangeAnalysis):
         Values of what is walked that are hit exactly and stored on the way, in the order given, and then `to`:
         ``targets=[1.0], to=0.0`` pulls and lets go.
     step : float, optional
-        First increment; None takes a twentieth of the range. Increments adapt and stay below a tenth of it.
+        First increment; None takes a twentieth of the range, or with corrector "path" and "slow" where they act a
+        ten-thousandth. Increments adapt; they stay below a tenth of the range, or with these two below a fifth, and
+        below a quarter of the distance from where the way began or last turned.
     tol : float
         Relative residual that every stored step meets.
     start : Step or Event, optional
@@ -158,13 +163,14 @@ class DisplacementControl(_RangeAnalysis):
         so "switch" goes over to the other path at bifurcations and follows limit points.
     branch : {1, -1}, optional
         With a bifurcation as `start`: leave it along its mode, or against it.
-    corrector : {"newton", "descent", "viscous"}
-        How stable equilibria are found where unstable ones are left (on_instability "switch"). "newton": by Newton's
-        method at shorter and shorter increments, and downhill only where it fails, which stays closest to the path.
-        "descent": downhill at once, with compression faded out of the tangent where it is indefinite; cheaper on thin
-        cut sheets (benchmarks/correctors.py), but a long increment may pass over a snap and land on another stable
-        shape: give `targets` or a short `step` where the shape matters. "viscous": the same by an implicit viscous
-        motion.
+    corrector : {"path", "slow", "newton", "descent", "viscous"}
+        How the stable equilibria of a structure that snaps are found (on_instability "switch"). "path": along the
+        stable path in increments as long as it is smooth, and where it is lost downhill from close by; lands where a
+        slow pull does (benchmarks/landing.py). "slow": that slow pull itself, with a little damping, as the reference;
+        three to ten times dearer. The others take long increments from the start, so that they may pass over a buckle
+        and land on another stable shape: "newton" by Newton's method at shorter and shorter increments, and downhill
+        where it fails; "descent" downhill at once, with compression faded out of the tangent where it is indefinite;
+        "viscous" the same by an implicit viscous motion.
 
     Examples
     --------

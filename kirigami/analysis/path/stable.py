@@ -28,6 +28,7 @@ from kirigami.primitives.kernel import Array
 FIRST = 1e-4  # first increment, as a share of the range
 SHARE = 0.25  # most that an increment may be, as a share of the distance from the start
 CLOSE = 0.05  # share of the distance from the start to which a snap is bracketed
+CLOSE_TO_LIMIT = 1e-3  # the same where forces drive: beyond a limit load there is no path, and it is a sharp value
 CUT = 0.4  # factor of an increment that was too long
 SMOOTH = 0.5  # most that corrections may turn members, as a share of what the increment turns them
 STRAIGHT = 0.1  # the same where a path goes on unstable
@@ -48,7 +49,8 @@ class StableSteps(Steps):
     def advance(self, before: Point, increment: float) -> tuple[Point, Attempt, float]:
         run, increments = self.run, self.run.increments
         distance = abs(before.state.lam - increments.leg)
-        least = max(CLOSE * distance, increments.smallest)
+        driven = bool(run.system.drive.any())
+        least = max((CLOSE if driven else CLOSE_TO_LIMIT) * distance, increments.smallest)
         reach = max(SHARE * distance, min(increments.first, abs(increment)))
         sense = float(np.sign(increment))
         while True:
@@ -57,7 +59,7 @@ class StableSteps(Steps):
             tangent = run.tangent_at(attempt)
             if tangent is not None and tangent.factor.negative == 0 and self._is_smooth(before, attempt):
                 return self._accept(attempt, tangent), attempt, increment
-            if abs(increment) > 1.0001 * reach or (turn > DESCENT_TURN and not short):
+            if abs(increment) > 1.0001 * reach or (not short and (turn > DESCENT_TURN or not driven)):
                 shorter = min(CUT * abs(increment), reach)
                 increment = self._cut(before, sense * max(shorter, least))
                 continue
@@ -71,7 +73,7 @@ class StableSteps(Steps):
             if not short and sets_energy_free(run, before, point):
                 increment = self._cut(before, sense * max(CUT * abs(increment), least))
                 continue
-            tell_events(run, before, point, increment, landed.left)
+            tell_events(run, before, point, increment, landed.left, landed.drift)
             return point, landed, increment
 
     def _cut(self, before: Point, increment: float) -> float:

@@ -1,0 +1,200 @@
+"""Where thin cut sheets land, by corrector, against a slow pull: energy and shape at 1/4, 1/2 and all of the pull.
+
+    python benchmarks/landing.py                       every sheet and run not yet done, and the table
+    python benchmarks/landing.py --sheet cells ring    some sheets
+    python benchmarks/landing.py --table               print the table of what is done
+
+A thin sheet has many stable shapes at one pull; which of them a slow pull with a little damping leads to is a question
+with an answer (corrector "slow"). Eleven sheets of at most 1,000 nodes: those of benchmarks/correctors.py on coarser
+meshes, t/L = 1e-3, imperfection 1e-3 t, pulled by 10 %; and the ribbon of the README, imperfection one thickness in
+its seventh mode and in two random sums of modes, to a quarter of its pull. Two shapes are the same where they differ by
+less than 2 % of the norm of the deflection; mirror images in the plane of the sheet count and are marked "m".
+
+The slow pull itself is settled at a load factor where it ends in the same shape three times as fast, ten times as slow,
+and with halved steps. Rows are appended to benchmarks/results/landing.csv and shapes kept in a folder beside it, so the
+comparison can be interrupted and goes on where it was.
+"""
+
+from __future__ import annotations
+
+import argparse
+import csv
+import sys
+import time
+import warnings
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+from unittest import mock
+
+import numpy as np
+from shapely import box
+
+import kirigami as kg
+from kirigami.analysis.path import slow
+
+sys.path.insert(0, str(Path(__file__).parent))
+import correctors
+
+POINTS = (0.25, 0.5, 1.0)  # shares of the pull
+SAME = 0.02  # distance of two shapes, over the norm of the deflection, below which they count as the same
+COARSE = {
+    "one slit": 1.63,
+    "staggered": 1.55,
+    "disc": 1.65,
+    "random": 1.75,
+    "cross": 1.72,
+    "parallel": 2.0,
+    "cells": 2.2,
+    "ring": 1.76,
+}
+RUNS: dict[str, tuple[str, dict[str, float]]] = {
+    "slow": ("slow", {}),
+    "slow, faster": ("slow", {"SLOW": 30.0}),
+    "slow, slower": ("slow", {"SLOW": 1000.0}),
+    "slow, halved steps": ("slow", {"OFF": 0.5 * slow.OFF, "TURN": 0.5 * slow.TURN}),
+    **{name: (name, {}) for name in ("path", "descent", "viscous", "newton")},
+}
+TABLE = Path(__file__).parent / "results" / "landing.csv"
+SHAPES = TABLE.with_suffix("")  # folder of the shapes
+
+
+def benchmark_sheet(name: str) -> kg.Model:
+    """A sheet of benchmarks/correctors.py on a coarser mesh."""
+    geometry, edge, cut_edge = correctors.SHEETS[name]
+    coarse = COARSE[name]
+    with mock.patch.dict(correctors.SHEETS, {name: (geometry, coarse * edge, cut_edge and coarse * cut_edge)}):
+        return correctors.sheet_model(name, 1e-3, 1e-3, 0.1)
+
+
+def ribbon(seed: int) -> kg.Model:
+    """The ribbon of the README; seed 0 is its own imperfection, the others are random sums of modes."""
+    slits = kg.cuts.parallel_slits(columns=1, rows=9, width=0.1, height=0.2, length=0.075, margin=0.02)
+    sheet = kg.Sheet(box(0, 0, 0.1, 0.24), slits, thickness=0.2e-3, material=kg.Material(E=3.5e9, nu=0.34))
+    m = kg.Model.from_mesh(sheet.mesh(max_edge=0.012))
+    modes = kg.Eigen(m, n=60).run()
+    shape = modes[6].shape
+    if seed:
+        rng = np.random.default_rng(seed)
+        shape = sum(rng.normal() / np.sqrt(abs(modes.values[k])) * modes[k].shape for k in range(6, 60))
+    m.perturb(shape, amplitude=0.2e-3)
+    bottom, top = m.select(boundary="bottom"), m.select(boundary="top")
+    m.add(kg.Fix(bottom, clamp=True), kg.Fix(top, "xz", clamp=True), kg.Prescribe(top, y=0.01))
+    return m
+
+
+SHEETS: dict[str, Callable[[], kg.Model]] = {
+    **{f"ribbon {seed}": lambda seed=seed: ribbon(seed) for seed in range(3)},
+    **{name: lambda name=name: benchmark_sheet(name) for name in correctors.SHEETS},
+}
+
+
+def pull(sheet: str, run: str) -> dict[str, str]:
+    """Pull one sheet in one way: a row of the table; the shapes go to their file."""
+    corrector, constants = RUNS[run]
+    m = SHEETS[sheet]()
+    began = time.process_time()
+    with warnings.catch_warnings(), mock.patch.multiple(slow, **constants):
+        warnings.simplefilter("ignore", kg.KirigamiWarning)
+        res = kg.DisplacementControl(m, targets=POINTS, corrector=corrector).run(on_failure="return")
+    seconds = time.process_time() - began
+    row = {"sheet": sheet, "run": run, "nodes": str(len(m.nodes)), "cpu_seconds": f"{seconds:.1f}"}
+    row |= {"factorizations": str(res.stats["factorizations"]), "end": f"{res.lam[-1]:.4g}"}
+    energy = np.sum(list(res.energy.values()), axis=0)
+    steps = [int(np.argmin(np.abs(res.lam - point))) for point in POINTS]
+    for point, step in zip(POINTS, steps):
+        row[f"energy {point:g}"] = f"{energy[step]:.8e}" if abs(res.lam[step] - point) < 1e-9 else ""
+    SHAPES.mkdir(parents=True, exist_ok=True)
+    np.savez_compressed(SHAPES / f"{sheet}, {run}.npz", u=res.u[steps].astype(np.float32))
+    return row
+
+
+def apart(sheet: str, run: str, other: str) -> list[tuple[float, bool]]:
+    """Distance of two runs at each load factor over the norm of the deflection, and whether they are mirror images."""
+    one, two = (np.load(SHAPES / f"{sheet}, {name}.npz")["u"].astype(float) for name in (run, other))
+    found = []
+    for a, b in zip(one, two):
+        size = float(np.linalg.norm(b[:, 2]))
+        distance = [float(np.linalg.norm(a * side - b)) / size for side in ([1, 1, 1], [1, 1, -1])]
+        found.append((min(distance), distance[1] < distance[0]))
+    return found
+
+
+def read_table() -> list[dict[str, str]]:
+    """Rows done so far."""
+    if not TABLE.exists():
+        return []
+    with TABLE.open(newline="") as file:
+        return list(csv.DictReader(file))
+
+
+def add_row(row: dict[str, str]) -> None:
+    """Append a row; the file is the memory of what is done."""
+    new = not TABLE.exists()
+    TABLE.parent.mkdir(exist_ok=True)
+    with TABLE.open("a", newline="") as file:
+        writer = csv.DictWriter(file, list(row))
+        if new:
+            writer.writeheader()
+        writer.writerow(row)
+
+
+def settled(sheet: str, done: set[tuple[str, str]]) -> list[bool] | None:
+    """At which load factors the slow pull does not depend on its own speed and steps; None where not all are done."""
+    variants = [run for run in RUNS if run.startswith("slow,")]
+    if any((sheet, run) not in done for run in ("slow", *variants)):
+        return None
+    return [bool(np.all(column)) for column in zip(*([d < SAME for d, _ in apart(sheet, v, "slow")] for v in variants))]
+
+
+def markdown(rows: list[dict[str, str]]) -> str:
+    """A line for each sheet and load factor: is the slow pull settled, and how far the others land from it."""
+    done = {(row["sheet"], row["run"]): row for row in rows}
+    methods = [name for name in RUNS if not name.startswith("slow")]
+    lines = ["| sheet | of the pull | settled | " + " | ".join(methods) + " |", "|---" * (3 + len(methods)) + "|"]
+    same: dict[str, list[bool]] = {name: [] for name in methods}
+    for sheet in SHEETS:
+        if (sheet, "slow") not in done:
+            continue
+        calm = settled(sheet, set(done))
+        for place, point in enumerate(POINTS):
+            cells = []
+            for name in methods:
+                if (sheet, name) not in done or not done[sheet, name][f"energy {point:g}"]:
+                    cells.append("")
+                    continue
+                distance, mirrored = apart(sheet, name, "slow")[place]
+                energy, reference = (float(done[sheet, run][f"energy {point:g}"]) for run in (name, "slow"))
+                mark = " m" if mirrored and distance < SAME else ""
+                shown = "same" if distance < SAME else f"{100 * distance:.0f} % off"
+                cells.append(f"{shown}{mark}, energy {100 * (energy / reference - 1):+.2g} %")
+                if calm is not None and calm[place]:
+                    same[name].append(distance < SAME)
+            told = "" if calm is None else ("yes" if calm[place] else "no")
+            lines.append(f"| {sheet} | {point:g} | {told} | " + " | ".join(cells) + " |")
+        counts = [done[sheet, name]["factorizations"] if (sheet, name) in done else "" for name in methods]
+        lines.append(f"| {sheet}, factorisations | | {done[sheet, 'slow']['factorizations']} | {' | '.join(counts)} |")
+    for name, found in same.items():
+        if found:
+            lines.append(f"\n{name}: {sum(found)} of {len(found)} where the slow pull is settled")
+    return "\n".join(lines)
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--sheet", nargs="+", choices=list(SHEETS), default=list(SHEETS))
+    parser.add_argument("--run", nargs="+", choices=list(RUNS), default=list(RUNS))
+    parser.add_argument("--table", action="store_true", help="print what is done, run nothing")
+    wanted = parser.parse_args()
+    done = {(row["sheet"], row["run"]) for row in read_table()}
+    for sheet in () if wanted.table else wanted.sheet:
+        for run in wanted.run:
+            if (sheet, run) not in done:
+                row: dict[str, Any] = pull(sheet, run)
+                add_row(row)
+                print(" ".join(row.values()), flush=True)
+    print(markdown(read_table()))
+
+
+if __name__ == "__main__":
+    main()
