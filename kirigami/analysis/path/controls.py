@@ -12,7 +12,6 @@ from kirigami.primitives.kernel import Array
 from kirigami.primitives.node import AXES, Node
 from kirigami.system.system import System
 
-RATE_MARGIN = 0.5  # how far the mean rate of the load factor may lie off those at the ends, as a share of the larger
 BENT = 0.5  # most that corrections at a given load may turn members, as a share of what the increment turns them
 HARMLESS = 1e-3  # ... or this angle [rad]
 BOTH_WAYS = 0.25  # most by which a step's chord may lie off the tangents on both sides at once [rad]
@@ -48,19 +47,20 @@ class Control:
         return self.predict(1.0, rate) * float(np.sign(ends[1] - ends[0]))
 
     def doubt(self, before: Point, attempt: Attempt, tangent: Tangent) -> str:
-        """Why a converged attempt is not to be trusted to lie ahead on the same path; empty where it is.
+        """Why a converged attempt is not to be trusted to lie ahead on the same path; empty where it is."""
+        return ""
 
-        The mean rate of the load factor along a smooth piece lies between those at its ends, or not far off. Else it
-        has turned twice in between, or the attempt lies on another path.
+    def hides_turns(self, before: Point, attempt: Attempt, tangent: Tangent) -> bool:
+        """Whether the load factor seems to turn twice within an increment at whose ends it goes the same way.
+
+        So does the cubic through both ends with the rates there. At a kink, as where contact begins, it may do so in
+        increments however short.
         """
         begin, end = (self.load_rate(t.rate, before.state, attempt.state) for t in (before.tangent, tangent))
         mean = (attempt.state.lam - before.state.lam) / self.walked(before.state, attempt.state)
-        if not np.isfinite([begin, end, mean]).all():
-            return ""
-        margin = abs(end - begin) + RATE_MARGIN * max(abs(begin), abs(end))
-        if min(begin, end) - margin <= mean <= max(begin, end) + margin:
-            return ""
-        return "the load factor turned twice within the increment, or the equilibrium lies on another path"
+        if not np.isfinite([begin, end, mean]).all() or begin * end < 0:
+            return False
+        return bool(np.sign(begin + end) * mean < abs(begin + end) / 6)
 
     def walked(self, before: State, after: State) -> float:
         """How far the parameter went."""
@@ -86,6 +86,9 @@ class LoadFactorControl(Control):
 
     def predict(self, increment: float, rate: Array) -> float:
         return increment
+
+    def hides_turns(self, before: Point, attempt: Attempt, tangent: Tangent) -> bool:
+        return False
 
     def doubt(self, before: Point, attempt: Attempt, tangent: Tangent) -> str:
         if attempt.drift > max(BENT * attempt.moved, HARMLESS):
@@ -212,8 +215,7 @@ class ArcLengthControl(Control):
         turned = self._dot(end, change, rise) * self.sense < 0
         if turned and (tangent.factor.negative - before.negative) % 2 == 0 and straight < NEARLY_STRAIGHT:
             return "the load factor turned without a limit point, maybe on another branch"
-
-        return super().doubt(before, attempt, tangent)
+        return ""
 
     def walked(self, before: State, after: State) -> float:
         return self.distance(after.u - before.u, after.lam - before.lam)

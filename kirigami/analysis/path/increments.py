@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -25,7 +26,7 @@ class Increments:
         self.targets = list(targets)  # in the order they are met; the last one ends the walk
         self.first, self.leg = self.size, origin  # where the way last turned
         stations = [origin, *self.targets]
-        self.way, self.longest = _way(stations), max(stations) - min(stations)  # there and back; from end to end
+        self.longest = max(stations) - min(stations)
         self.sense = 0.0
         self.at_turns = float("inf")  # largest size where the way turns
         self.least_growth, self.growth_after_snap = 0.5, 1.0
@@ -75,16 +76,22 @@ class Increments:
         self.size = min(max(base * growth, self.smallest), self.largest)
 
     def progress(self, value: float) -> float | None:
-        """Share of the way done, there and back, where its end is known."""
+        """Share of the work done, where the end is known: of the way or, in a careful walk, of its increments."""
         if not self.targets:
             return None
-        ahead = _way([value, *self.targets])
-        return 1.0 - ahead / self.way if self.way else 1.0
+        ahead = self._work([self.leg, *self.targets]) - self._work([self.leg, value])
+        return min(max(1.0 - ahead / self._whole, 0.0), 1.0) if self._whole else 1.0
 
+    @cached_property
+    def _whole(self) -> float:
+        return self._work([self.leg, *self.targets])
 
-def _way(stations: Sequence[float]) -> float:
-    """Length of a way from station to station."""
-    return float(np.abs(np.diff(stations)).sum())
+    def _work(self, stations: Sequence[float]) -> float:
+        """Work from station to station, there and back, in a unit of its own."""
+        places = np.array(stations)
+        turns = np.flatnonzero(np.diff(np.sign(np.diff(places))) != 0) + 1
+        legs = np.abs(np.diff(places[[0, *turns, -1]]))
+        return float(np.log1p(legs / self.at_turns).sum() if np.isfinite(self.at_turns) else legs.sum())
 
 
 def checked_targets(targets: ArrayLike | None, owner: str) -> list[float]:

@@ -31,7 +31,7 @@ CORRECTIONS = 6  # most corrections of a step
 CORRECTED = 0.05  # share of the step's turn below which a correction is the last one
 CAP = 0.3  # largest turn in a correction [rad]
 NEAR = 0.04  # largest turn from the motion to the equilibrium stored for it [rad]
-RESTING = 1e-7  # a step at a held load that turns members by less has come to rest [rad]
+RESTING = 1e-7  # motion at a held load that turns members by less in a relaxation time has come to rest [rad]
 LEAST = 1e-12  # shortest time step, in relaxation times
 UNSTABLE = "the step is too long for its own stability"
 
@@ -74,7 +74,9 @@ class SlowSteps(Steps):
             raise run.failure(attempt, increment)
         run.system.commit(attempt.state.u)
         point = Point(attempt.state, tangent, run.system.history)
-        tell_events(run, before, point, increment, attempt.left)
+        predicted = run.predict(before, increment)
+        off = 0.0 if predicted is None else run.system.largest_rotation(point.state.u - predicted[0].u)
+        tell_events(run, before, point, increment, attempt.left, off)
         return point, attempt, increment
 
     def settle(self, before: Point, after: Point, attempt: Attempt, increment: float) -> None:
@@ -100,9 +102,14 @@ class SlowSteps(Steps):
                 attempt.left, attempt.relaxed = left, left is not None
                 return attempt
             near *= 0.5
-            while (turn := self._move(self.moving_lam)) > near:
+            while (speed := self._move(self.moving_lam)) > near:
                 pass
-            if turn < RESTING:
+            if speed < RESTING:
+                if attempt.stiffness is None:
+                    attempt = run.descend(self._state())  # as where forces vanish, which takes more corrections
+                    attempt.drift = run.system.largest_rotation(attempt.state.u - self._state().u)
+                    if attempt.converged and attempt.drift < NEAR:
+                        return attempt
                 if attempt.stiffness is None or attempt.drift > NEAR:
                     raise _StuckError("the motion came to rest at no equilibrium")
                 tangent = run.tangent_at(attempt)
@@ -120,7 +127,7 @@ class SlowSteps(Steps):
         self.time_step = 0.01 * self.relaxation
 
     def _move(self, target: float) -> float:
-        """One time step towards the load factor `target`, or at a held one; the largest turn of a member in it."""
+        """One time step towards `target`, or at a held load factor; turn of a member in it or in a relaxation time."""
         run, system, increments = self.run, self.run.system, self.run.increments
         before = self._state()
         distance = max(abs(before.lam - increments.leg), STANDSTILL * increments.longest)
@@ -151,7 +158,7 @@ class SlowSteps(Steps):
             self.velocity = (after.q - before.q) / step
             self.moving, self.moving_lam = after.q, lam
             self.time_step = max(step, self.time_step if lam == target else 0.0) * max(growth, 0.3)
-            return turn
+            return turn * max(self.relaxation / step, 1.0)
         raise _StuckError("the motion finds no next step")
 
     def _implicit_step(self, before: State, guess: State, step: float, ahead: Ahead) -> tuple[State | None, str]:

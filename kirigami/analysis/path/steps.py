@@ -54,12 +54,15 @@ class NewtonSteps(Steps):
         while True:
             attempt, tangent = self._attempt(before, increment, cuts >= most or run.increments.is_short(increment))
             known = len(events)
+            if tangent is not None and cuts < CUTS_AT_EVENTS and run.control.hides_turns(before, attempt, tangent):
+                attempt.reason, tangent = "the load factor seems to turn twice within the increment", None
             if tangent is not None:
                 run.system.commit(attempt.state.u)
                 point = Point(attempt.state, tangent, run.system.history)
                 try:
                     strict = attempt.left is None and cuts < CUTS_AT_EVENTS
-                    report_events(run, before, point, increment, attempt.left, strict)
+                    landed = attempt.drift if attempt.relaxed else 0.0
+                    report_events(run, before, point, increment, attempt.left, strict, landed)
                     return point, attempt, increment
                 except JumpError:
                     del events[known:]
