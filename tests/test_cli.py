@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import subprocess
 import sys
 from pathlib import Path
@@ -340,3 +341,43 @@ def test_results_are_exported(tmp_path: Path, capsys: pytest.CaptureFixture[str]
     assert (tmp_path / "bar.csv").read_text().startswith("step,load_factor")
     assert cli.main(["info", str(saved)]) == 0
     assert "bar: 2 nodes in 2D" in capsys.readouterr().out
+
+
+def test_info_draws_what_was_understood(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert cli.main(["info", PLATE, "--picture"]) == 0
+    said = capsys.readouterr().out
+    assert (tmp_path / "inkscape_layers_mm-read.png").read_bytes()[:4] == b"\x89PNG"
+    assert "taken as" in said and said.endswith("Drawn in inkscape_layers_mm-read.png\n")
+    assert cli.main(["info", PLATE, "--picture", "a.xyz"]) == 1
+    assert "no format for pictures" in capsys.readouterr().err
+    assert len(list(tmp_path.iterdir())) == 1
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        ["--thickness", "0"], ["--thickness=-1mm"], ["--E", "0"], ["--grip=-1mm"], ["--max-edge", "0"],
+        ["--max-edge=1e300m"], ["--imperfection=-1mm"], ["--tolerance", "nan"], ["--tolerance=-1"],
+        ["--tolerance", "1e9"], ["--tolerance", "1"], ["--tolerance", "0mm"], ["--tolerance", "wide"],
+        ["--part", "one"],
+    ],
+)  # fmt: skip
+def test_quantities_out_of_range_are_wrong_usage(words: list[str], capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit) as ended:
+        cli.main(["stretch", PLATE, *SHEET, *words])
+    assert ended.value.code == 2
+    assert f"argument {words[0].partition('=')[0]}" in capsys.readouterr().err
+
+
+def test_a_closed_pipe_ends_quietly() -> None:
+    """`kirigami info plate.svg | head -0`: nobody reads, and that is no error."""
+    read, write = os.pipe()
+    os.close(read)
+    done = subprocess.run(
+        [sys.executable, "-m", "kirigami.cli", "info", PLATE], stdout=write, stderr=subprocess.PIPE, check=False
+    )
+    os.close(write)
+    assert (done.returncode, done.stderr) == (0, b"")

@@ -25,7 +25,10 @@ def add(commands: Any) -> None:
     )
     parser.add_argument("drawing", type=Path, metavar="DRAWING", help="the file: .dxf, .svg, .geojson or .fold")
     parser.add_argument(
-        "--max-edge", type=quantity("length"), metavar="LENGTH", help="such as 2mm (default: chosen within 4,000 nodes)"
+        "--max-edge",
+        type=quantity("length", "positive"),
+        metavar="LENGTH",
+        help="such as 2mm (default: chosen within 4,000 nodes)",
     )
     parser.add_argument("-o", "--output", type=Path, metavar="FILE", help="where to write the mesh, in metres")
     add_reading(parser)

@@ -14,6 +14,7 @@ from kirigami import units
 from kirigami.errors import ModelError
 
 READING = ("drawn_in", "outline", "cuts", "folds", "ignore", "tolerance", "part", "frame")
+LARGEST = {"length": 1e9, "stress": 1e18, "density": 1e9, "ratio": 1e6}  # SI; beyond, it is a slip for sure
 WORDS = {"allow_parts=True": "--part 1"}  # what Python calls otherwise
 
 
@@ -74,7 +75,7 @@ def _tolerance(text: str) -> float | str:
     try:
         share = float(text)
     except ValueError:
-        quantity("length")(text)
+        quantity("length", "positive")(text)
         return text
     if not 0 < share < 1:
         raise argparse.ArgumentTypeError(f"{text!r} is no share between 0 and 1, nor a length such as 0.1mm")
@@ -86,14 +87,22 @@ def reading(options: argparse.Namespace) -> dict[str, Any]:
     return {name: value for name in READING if (value := getattr(options, name)) is not None}
 
 
-def quantity(kind: str) -> Callable[[str], float]:
-    """A type for argparse: a quantity with its unit, in SI units; what it is not is wrong usage."""
+def quantity(kind: str, sign: str = "any") -> Callable[[str], float]:
+    """A type for argparse: a quantity with its unit, in SI units; what it is not is wrong usage.
+
+    `sign` is "any", "positive" or "not negative".
+    """
 
     def parsed(text: str) -> float:
         try:
-            return units.parse(text, kind)
+            value = units.parse(text, kind)
         except ModelError as error:
             raise argparse.ArgumentTypeError(str(error)) from None
+        if (sign == "positive" and not value > 0) or (sign == "not negative" and value < 0):
+            raise argparse.ArgumentTypeError(f"{text!r}: must be {sign}")
+        if abs(value) > LARGEST[kind]:
+            raise argparse.ArgumentTypeError(f"{text!r}: no sheet has that; is the unit right?")
+        return value
 
     return parsed
 

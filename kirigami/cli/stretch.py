@@ -38,14 +38,15 @@ written)."""
 
 def add(commands: Any) -> None:
     """Options of ``kirigami stretch``."""
-    length = quantity("length")
+    length, positive = quantity("length", "not negative"), quantity("length", "positive")
+    stress = quantity("stress", "positive")
     parser = add_command(
         commands, "stretch", run, help="stretch a drawing and write a report", description=DESCRIPTION, epilog=EPILOG
     )
     parser.add_argument("drawing", type=Path, metavar="DRAWING", help="the file")
     sheet = parser.add_argument_group("the sheet")
-    sheet.add_argument("--thickness", type=length, required=True, metavar="LENGTH", help="thickness of the sheet")
-    sheet.add_argument("--E", type=quantity("stress"), required=True, metavar="STRESS", help="Young's modulus")
+    sheet.add_argument("--thickness", type=positive, required=True, metavar="LENGTH", help="thickness of the sheet")
+    sheet.add_argument("--E", type=stress, required=True, metavar="STRESS", help="Young's modulus")
     sheet.add_argument("--nu", type=float, default=0.34, metavar="RATIO", help="Poisson's ratio (default: %(default)s)")
     pull = parser.add_argument_group("the pull")
     pull.add_argument(
@@ -78,7 +79,9 @@ def add(commands: Any) -> None:
         help="how much to pay for: stiffness, mesh and residual (default: %(default)s)",
     )
     work.add_argument("--nodes", type=_count, metavar="N", help="budget of mesh nodes (default: that of the accuracy)")
-    work.add_argument("--max-edge", type=length, metavar="LENGTH", help="longest edge of the mesh, instead of a budget")
+    work.add_argument(
+        "--max-edge", type=positive, metavar="LENGTH", help="longest edge of the mesh, instead of a budget"
+    )
     work.add_argument("--stiffness", metavar="NAME", help="plate, facet, ... (default: that of the accuracy)")
     work.add_argument(
         "--imperfection",

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import shapely
 
-from kirigami.drawing.curves import Curve, Floats, counted
+from kirigami.drawing.curves import Curve, Floats, counted, lines_of
 from kirigami.drawing.gaps import short_of
 from kirigami.drawing.joining import chained, led_together, without_doubles, without_specks
 from kirigami.drawing.measure import Measure
@@ -47,6 +47,8 @@ class Drawing:
         What was read, joined, dropped and assumed.
     table : tuple of Row
         What each layer, colour and line type was taken for.
+    left_out : tuple of shapely LineString
+        What was drawn and is none of these.
     """
 
     outline: Any
@@ -55,6 +57,7 @@ class Drawing:
     unit: str = ""
     notes: tuple[str, ...] = field(default=(), repr=False)
     table: tuple[Row, ...] = field(default=(), repr=False)
+    left_out: tuple[Any, ...] = field(default=(), repr=False)
 
     @property
     def report(self) -> str:
@@ -168,7 +171,8 @@ def assemble(
     became |= {number: "fold" for curve in folds.inside for number in curve.numbers if number not in became}
     table = table_of(sorted_ones, became)
     fold_lines = tuple(shapely.LineString(curve.points) for curve in folds.inside)
-    return Drawing(outline, tuple(shapes), fold_lines, unit, tuple(said), table)
+    others = [curve for number, curve in enumerate(sorted_ones) if number not in became]
+    return Drawing(outline, tuple(shapes), fold_lines, unit, tuple(said), table, tuple(lines_of(others)))
 
 
 def _gap(tolerance: float | str, size: float, unit: str) -> float:

@@ -102,6 +102,8 @@ def read_geojson(
 def _lines(geometry: Any, source: str) -> Iterator[Any]:
     if geometry.is_empty:
         return
+    if geometry.has_z and np.ptp(np.nan_to_num(shapely.get_coordinates(geometry, include_z=True)[:, 2])) > 0:
+        raise GeometryError(f"{source} leaves the plane: its coordinates have different z")
     if isinstance(geometry, shapely.Polygon):
         yield from (geometry.exterior, *geometry.interiors)
     elif hasattr(geometry, "geoms"):

@@ -350,13 +350,27 @@ def _checked_line_or_polygon(geometry: BaseGeometry, what: str) -> BaseGeometry:
         raise GeometryError(f"{what} is a {geometry.geom_type}; only lines (slits) and polygons (openings) can be cut")
     coordinates = shapely.get_coordinates(geometry)
     _check_finite(coordinates, what)
-    geometry = shapely.force_2d(geometry)
+    geometry = _in_plane(geometry, what)
     if isinstance(geometry, shapely.Polygon):
         if not geometry.is_valid:
             raise GeometryError(f"{what} is not a simple polygon: {shapely.is_valid_reason(geometry)}")
         if not geometry.area > 0:
             raise GeometryError(f"{what} near {tuple(coordinates[0].tolist()) if len(coordinates) else ()} has no area")
     return geometry
+
+
+def _in_plane(geometry: BaseGeometry, what: str) -> BaseGeometry:
+    """The geometry without its heights, which must be one and the same: a sheet is cut flat and bent later."""
+    heights = np.nan_to_num(shapely.get_coordinates(geometry, include_z=True)[:, 2])  # without one it is at zero
+    low, high = float(heights.min()), float(heights.max())
+    if high > low:
+        raise GeometryError(
+            f"{what} leaves the plane: z runs from {low:.6g} to {high:.6g}. A sheet is drawn flat; bend the mesh or "
+            "move nodes of the model instead"
+        )
+    if high != 0.0:
+        warnings.warn(f"{what} lies at z = {high:.6g}; the sheet is taken at z = 0", KirigamiWarning, stacklevel=5)
+    return shapely.force_2d(geometry)
 
 
 def _check_finite(coordinates: NDArray[np.float64], what: str) -> None:
@@ -374,7 +388,7 @@ def _flattened(cuts: Any) -> Iterable[BaseGeometry]:
         elif not cuts.is_empty:
             yield cuts
     elif _is_coordinates(cuts):
-        points = np.asarray(cuts, dtype=float)[:, :2]
+        points = np.asarray(cuts, dtype=float)
         if len(points) < 2:
             raise GeometryError(f"a slit needs at least two points, not {points.tolist()}")
         yield shapely.LineString(points)

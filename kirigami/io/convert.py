@@ -3,21 +3,19 @@
 from __future__ import annotations
 
 import os
+from dataclasses import asdict
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from kirigami import units
 from kirigami.drawing.convert import read_drawing, write_drawing
+from kirigami.drawing.drawing import Drawing
 from kirigami.errors import GeometryError
 from kirigami.files import library, whole_file
 from kirigami.geometry.mesh import TriMesh
 from kirigami.results.archive import load
-
-if TYPE_CHECKING:
-    pass
-
 
 
 def info(path: str | os.PathLike[str], **reading: Any) -> dict[str, Any]:
@@ -47,26 +45,46 @@ def info(path: str | os.PathLike[str], **reading: Any) -> dict[str, Any]:
     >>> info(file)["width"]
     0.2
     """
-    if Path(path).suffix.lower() == ".npz":
-        results = load(path)
-        return {
-            "kind": "results",
-            "text": results.summary(),
-            "nodes": len(results.rest),
-            "steps": len(results),
-            "load_factor": float(results.lam[-1]) if len(results) else 0.0,
-        }
-    drawing = read_drawing(path, **reading)
+    if Path(path).suffix.lower() != ".npz":
+        return info_of_drawing(read_drawing(path, **reading))
+    results = load(path)
+    return {
+        "kind": "results",
+        "text": results.summary(),
+        "nodes": len(results.rest),
+        "steps": len(results),
+        "load_factor": float(results.lam[-1]) if len(results) else 0.0,
+    }
+
+
+def info_of_drawing(drawing: Drawing) -> dict[str, Any]:
+    """What was understood of a drawing: as text, and its numbers.
+
+    Parameters
+    ----------
+    drawing : Drawing
+        What a reader has made of a file.
+
+    Examples
+    --------
+    >>> import shapely
+    >>> info_of_drawing(Drawing(shapely.box(0, 0, 2, 1), (shapely.box(0.5, 0.5, 1, 0.75),)))["area"]
+    1.875
+    """
     xmin, ymin, xmax, ymax = drawing.outline.bounds
+    closed = sum(cut.geom_type == "Polygon" for cut in drawing.cuts)
     return {
         "kind": "drawing",
         "text": drawing.report,
         "width": xmax - xmin,
         "height": ymax - ymin,
         "unit": drawing.unit,
-        "area": drawing.outline.area,
+        "area": drawing.sheet().area,
         "cuts": len(drawing.cuts),
+        "slits": len(drawing.cuts) - closed,
+        "openings": closed,
         "folds": len(drawing.folds),
+        "roles": [asdict(row) for row in drawing.table],
     }
 
 

@@ -57,10 +57,10 @@ def plot_sheet(sheet: Sheet, ax: Any = None, fill: Any = style.PAPER, cut_color:
     import shapely
 
     bounds = np.array(sheet.outline.bounds).reshape(2, 2)
-    ax = _flat_axes(ax, "plot_sheet", bounds)
+    ax = flat_axes(ax, "plot_sheet", bounds)
     openings = [cut for cut in sheet.cuts if isinstance(cut, shapely.Polygon)]
     for part in shapely.get_parts(shapely.difference(sheet.outline, shapely.union_all(openings))):
-        _draw_polygon(ax, part, fill)
+        draw_polygon(ax, part, fill)
     for cut in sheet.cuts:
         if not isinstance(cut, shapely.Polygon):
             ax.plot(*shapely.get_coordinates(cut).T, color=cut_color, linewidth=1.0, solid_capstyle="round")
@@ -68,7 +68,8 @@ def plot_sheet(sheet: Sheet, ax: Any = None, fill: Any = style.PAPER, cut_color:
     return ax
 
 
-def _draw_polygon(ax: Any, polygon: Any, fill: Any) -> None:
+def draw_polygon(ax: Any, polygon: Any, fill: Any) -> None:
+    """Fill a polygon and draw its rims."""
     from matplotlib.patches import PathPatch
     from matplotlib.path import Path
     from shapely.geometry.polygon import orient
@@ -113,7 +114,7 @@ def plot_mesh(mesh: TriMesh, ax: Any = None, boundary: bool = True) -> Any:
 
     points = mesh.nodes[:, :2]
     bounds = np.stack([points.min(axis=0), points.max(axis=0)])
-    ax = _flat_axes(ax, "plot_mesh", bounds)
+    ax = flat_axes(ax, "plot_mesh", bounds)
     width = float(np.clip(18.0 / np.sqrt(len(mesh.edges)), 0.15, 0.6))  # fine meshes would run together into grey
     edges: Any = points[mesh.edges]
     ax.add_collection(LineCollection(edges, colors=style.GREY, linewidths=width))
@@ -353,7 +354,7 @@ class _Sketch:
         frame(self.ax, np.concatenate(self.reach), looking)
 
 
-def _flat_axes(ax: Any, owner: str, bounds: Floats) -> Any:
+def flat_axes(ax: Any, owner: str, bounds: Floats) -> Any:
     if ax is None:
         return style.new_axes(style.size_for(bounds[0], bounds[1], bar=False))
     if style.is_solid(ax):

@@ -164,3 +164,15 @@ def test_offset_far_from_the_origin():
     mesh = sheet.mesh(0.2)
     assert mesh.facet_areas.sum() == pytest.approx(1.0, rel=1e-8)
     assert len(mesh.boundary("bottom")) > 4
+
+
+def test_heights_are_not_dropped_in_silence():
+    """A sheet is flat: coordinates with heights of their own are refused, a plane above zero is told."""
+    flat = [(0, 0, 0), (1, 0, 0), (1, 1, 0)]
+    assert kg.Sheet(flat).area == 0.5
+    with pytest.warns(kg.KirigamiWarning, match="the outline lies at z = 2; the sheet is taken at z = 0"):
+        kg.Sheet([(x, y, 2) for x, y, _ in flat])
+    with pytest.raises(kg.GeometryError, match="the outline leaves the plane: z runs from 0 to 1"):
+        kg.Sheet([(0, 0, 0), (1, 0, 1), (1, 1, 0)])
+    with pytest.raises(kg.GeometryError, match="cut 0 leaves the plane: z runs from 0 to 3"):
+        kg.Sheet(flat, [[(0.5, 0.2, 0), (0.8, 0.4, 3)]])

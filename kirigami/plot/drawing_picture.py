@@ -1,0 +1,67 @@
+"""What was understood of a drawing: one colour a role, and what was left out."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from kirigami.plot import style
+from kirigami.plot.undeformed import draw_polygon, flat_axes
+
+if TYPE_CHECKING:
+    from kirigami.drawing.drawing import Drawing
+
+
+@style.styled
+def plot_drawing(drawing: Drawing, ax: Any = None) -> Any:
+    """Draw outline, slits, openings, folds and what was left out, each in a colour of its own.
+
+    Parameters
+    ----------
+    drawing : Drawing
+        What a reader has made of a file.
+    ax : matplotlib axes, optional
+        Where to draw; a new figure by default.
+
+    Returns
+    -------
+    matplotlib axes
+
+    Raises
+    ------
+    ModelError
+        Axes that are not flat.
+
+    Examples
+    --------
+    >>> import shapely
+    >>> from kirigami.drawing.drawing import Drawing
+    >>> ax = plot_drawing(Drawing(shapely.box(0, 0, 2, 1), (shapely.LineString([(0.5, 0.5), (1.5, 0.5)]),), unit="mm"))
+    >>> [text.get_text() for text in ax.get_legend().get_texts()]
+    ['outline', 'slit (1)']
+    """
+    import shapely
+
+    everything = shapely.GeometryCollection([drawing.outline, *drawing.left_out])
+    bounds = np.array(everything.bounds).reshape(2, 2)
+    ax = flat_axes(ax, "plot_drawing", bounds)
+    openings = [cut for cut in drawing.cuts if isinstance(cut, shapely.Polygon)]
+    for part in shapely.get_parts(shapely.difference(drawing.outline, shapely.union_all(openings))):
+        draw_polygon(ax, part, style.PAPER)
+    ax.plot([], [], color=style.INK, label="outline")
+    kinds: list[tuple[str, list[Any], dict[str, Any]]] = [
+        ("slit", [cut for cut in drawing.cuts if cut not in openings], {"color": style.VERMILION}),
+        ("opening", [opening.exterior for opening in openings], {"color": style.GREEN}),
+        ("fold", list(drawing.folds), {"color": style.BLUE, "linestyle": "--"}),
+        ("left out", list(drawing.left_out), {"color": style.GREY, "linestyle": ":"}),
+    ]
+    for name, lines, look in kinds:
+        for number, line in enumerate(lines):
+            label = f"{name} ({len(lines)})" if number == 0 else None
+            ax.plot(*shapely.get_coordinates(line).T, linewidth=1.2, label=label, **look)
+    style.frame_flat(ax, bounds[0], bounds[1])
+    ax.set_xlabel(f"x [{drawing.unit}]" if drawing.unit else "x")
+    ax.set_ylabel(f"y [{drawing.unit}]" if drawing.unit else "y")
+    ax.legend(loc="upper center", bbox_to_anchor=(0.5, -0.12), ncols=4)
+    return ax
