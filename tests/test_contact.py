@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+import shapely
 from scipy.integrate import trapezoid
 
 import kirigami as kg
@@ -318,3 +319,54 @@ def _without_contact() -> kg.Model:
     a, b = m.add(kg.Node(0, 0), kg.Node(1, 0))
     m.add(kg.Bar(a, b, 1.0), kg.Fix(a), kg.Fix(b, "y"), kg.NodalLoad(b, (1, 0)))
     return m
+
+
+# ------------------------------------------------------------------------------------------- defaults on every rung
+
+
+def _pressed_sheet(rung: str, unit: float = 1.0) -> kg.Model:
+    """A sheet clamped along one side and pressed onto a ball by the other; `unit` is the metre in units of length."""
+    material = kg.Material(E=1e9 / unit**2)
+    sheet = kg.Sheet(shapely.box(0, 0, 0.1 * unit, 0.1 * unit), thickness=1e-3 * unit, material=material)
+    mesh = sheet.mesh(0.03 * unit)
+    m = kg.Model.from_mesh(mesh, stiffness=rung)
+    m.add(kg.Fix(m.select(boundary="bottom"), clamp=True), kg.Prescribe(m.select(boundary="top"), z=-0.02 * unit))
+    inside = m.select(where=lambda x, y, z: (y > 0.01 * unit) & (y < 0.09 * unit))
+    m.add(kg.Contact(inside, kg.Sphere((0.05 * unit, 0.06 * unit, -0.045 * unit), radius=0.04 * unit)))
+    return m
+
+
+@pytest.mark.parametrize("rung", kg.stiffness.RUNGS)
+def test_defaults_serve_every_rung(rung: str) -> None:
+    """What the ball carries the supports do not, and no node is deeper inside than the module says."""
+    m = _pressed_sheet(rung)
+    (contact,) = m.effects
+    res = kg.DisplacementControl(m, step=0.5).run()
+    index = res.node_index(contact.group)
+    ball = np.array([0.05, 0.06, -0.045])
+    outward = res.position(index)[-1] - ball
+    outward /= np.linalg.norm(outward, axis=1)[:, None]
+    force = (normal_forces(res, contact)[-1][:, None] * outward).sum(axis=0)
+    held = res.reaction([*m.select(boundary="bottom"), *m.select(boundary="top")])[-1]
+    assert force[2] > 0
+    np.testing.assert_allclose(force + held, 0, atol=1e-5 * force[2])
+    kernel = next(kernel for kernel in res.kernels if kernel.name == "contact")
+    assert penetration(res).max() <= np.maximum(normal_forces(res) / kernel.stiffness - kernel.layer / 2, 0).max()
+    assert penetration(res).max() < 1e-4 * 0.03  # of an edge
+
+
+@pytest.mark.parametrize("rung", kg.stiffness.RUNGS)
+def test_defaults_do_not_know_the_unit_of_length(rung: str) -> None:
+    metres, millimetres = (
+        next(k for k in kg.System(_pressed_sheet(rung, unit)).kernels if k.name == "contact") for unit in (1.0, 1e3)
+    )
+    np.testing.assert_allclose(millimetres.stiffness, metres.stiffness / 1e3, rtol=1e-9)
+    np.testing.assert_allclose(millimetres.layer, metres.layer * 1e3, rtol=1e-9)
+
+
+def test_no_element_no_default() -> None:
+    m = kg.Model()
+    a, b, c = m.add(kg.Node(0, 0), kg.Node(1, 0), kg.Node(2, 0))
+    m.add(kg.Bar(a, b, 10.0), kg.Fix([a, b, c]), kg.Contact(c, Plane((0, 0, -1))))
+    with pytest.raises(kg.ModelError, match="give stiffness="):
+        kg.System(m)
