@@ -231,3 +231,20 @@ def test_pictures_of_measures_show_what_they_are_given() -> None:
     assert [text.get_text() for text in shares.get_legend().get_texts()] == ["bars"]
     with pytest.raises(kg.ModelError, match="one value for each"):
         kg.plot.plot_measure(res, [1.0, 2.0, 3.0])
+
+
+@pytest.mark.parametrize("axis", ["x", "y"])
+def test_a_tube_has_no_width_and_no_poisson_ratio(axis: str) -> None:
+    """Drawn rolled up, nothing says what lies across the pull: refused in words, where numbers such as -33 came out."""
+    flat = kg.Sheet(shapely.box(0, 0, 0.08, 0.08), thickness=1e-4, material=kg.Material(E=4e9)).mesh(0.01)
+    x, y, _ = flat.nodes.T
+    radius = 0.08 / (2 * np.pi)
+    rolled = np.column_stack([radius * np.cos(x / radius), y, -radius * np.sin(x / radius)])
+    tube = kg.TriMesh(rolled, flat.triangles, thickness=1e-4, material=flat.material)
+    m = kg.Model.from_mesh(tube)
+    ends = [m.select(where=lambda x, y, z, at=at: np.abs(y - at) < 1e-9) for at in (0, 0.08)]
+    m.add(kg.Fix(ends[0]), kg.Fix(ends[1], "xz"), kg.Prescribe(ends[1], y=1e-4))
+    results = kg.LinearStatic(m).run()
+    for measure in (results.poisson_ratio, results.width):
+        with pytest.raises(kg.ModelError, match="flat and level"):
+            measure(axis)

@@ -20,6 +20,7 @@ from kirigami.drawing.fold_frames import frame_of, pattern_of
 from kirigami.drawing.roles import Names, Roles
 from kirigami.errors import GeometryError
 from kirigami.files import read_json, whole_file
+from kirigami.geometry.folds import fold_angles
 from kirigami.geometry.mesh import TriMesh
 
 ROLES = {"B": "outline", "C": "cut", "M": "mountain fold", "V": "valley fold", "U": "fold"}  # F, J: no line to act on
@@ -190,14 +191,9 @@ def _pattern(sheet: Any, folds: Iterable[Any]) -> dict[str, Any]:
 
 def _facets(mesh: TriMesh, points: Any) -> dict[str, Any]:
     inner = mesh.edge_facets[:, 1] >= 0
-    j, k = (points[end] for end in mesh.edges.T)
-    edge = k - j
-    wings = [points[wing] - j for wing in mesh.edge_wings.T]
-    left, right = np.cross(edge, wings[0]), np.cross(wings[1], edge)
-    length = np.linalg.norm(edge, axis=1)
     # Positive for a valley seen from +z, as the specification has it: the wings fold towards the normal.
-    angle = np.arctan2(length * (left * wings[1]).sum(axis=1), (left * right).sum(axis=1))
-    degrees = np.where(inner, np.degrees(angle), 0.0)
+    corners = points[np.column_stack([mesh.edge_wings[:, 0], mesh.edges, mesh.edge_wings[:, 1]])]
+    degrees = np.where(inner, np.degrees(fold_angles(corners)), 0.0)
     letters = np.where(inner, np.where(degrees > 1e-7, "V", np.where(degrees < -1e-7, "M", "F")), "B")
     return {
         "class": "foldedForm" if np.ptp(points[:, 2]) > 0 else "creasePattern",

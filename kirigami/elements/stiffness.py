@@ -28,6 +28,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from kirigami.deferred import deferred
+from kirigami.elements.mesh_bias import MeshBias
 from kirigami.errors import ModelError
 from kirigami.primitives.checks import require_positive
 from kirigami.primitives.kernel import Array
@@ -114,12 +115,7 @@ def directional_bias(mesh: TriMesh) -> tuple[float, float]:
     """Smallest and largest ratio over directions of the stiffness that edges represent, before the mesh relaxes.
 
     Edges that share their area among the directions evenly give bars the same E, and hinges the same D, in every
-    direction; single-diagonal meshes do not. It costs one pass over the edges, unlike :func:`report`.
+    direction; single-diagonal meshes do not. It costs one pass over the edges, unlike :func:`report`. Directions are
+    those in the surface, so that a rolled sheet has the bias of the flat one.
     """
-    edges = mesh.nodes[mesh.edges[:, 1]] - mesh.nodes[mesh.edges[:, 0]]
-    angle = np.arctan2(edges[:, 1], edges[:, 0])
-    directions = np.arange(36)[:, None] * np.pi / 36
-    # The mean of cos^4 over all directions is 3/8, and every facet has three edges. Hinges bend across their edges,
-    # so theirs are the same ratios, a right angle further.
-    ratios = (np.cos(angle - directions) ** 4) @ _facet_area_sum(mesh) / (9 / 8 * mesh.facet_areas.sum())
-    return float(ratios.min()), float(ratios.max())
+    return MeshBias(mesh).edges

@@ -9,7 +9,8 @@ import numpy as np
 
 from kirigami.elements.bar import Bar
 from kirigami.elements.bend_hinge import BendHinge
-from kirigami.elements.stiffness import Calibration, SheetConstants, bar_stiffness, directional_bias, hinge_stiffness
+from kirigami.elements.mesh_bias import MeshBias
+from kirigami.elements.stiffness import Calibration, SheetConstants, bar_stiffness, hinge_stiffness
 from kirigami.errors import KirigamiWarning, ModelError
 from kirigami.primitives.checks import require_positive
 from kirigami.primitives.material import Material
@@ -18,6 +19,9 @@ from kirigami.primitives.parts import ModelObject
 
 FEW = 50  # facets below which a mesh is too small to have a pattern
 BIAS = 0.2  # unevenness of stiffness over the directions, before relaxation, that is worth a warning
+FACET_BIAS = 0.3  # the same of the rigidity of flat facets, which coarse meshes make uneven by a quarter at worst
+FREE = 0.1  # stiffness lost at free edges that is worth a warning
+SMOOTH = ("split", "shell")  # rungs that are right on any mesh
 
 if TYPE_CHECKING:
     from kirigami.geometry.mesh import TriMesh
@@ -43,6 +47,7 @@ def sheet_parts(
     nodes = [Node(*position) for position in mesh.nodes.tolist()]
     rung = stiffness if isinstance(stiffness, str) else "calibration"
     constants = SheetConstants(calibration, thickness, material, rung)
+    _warn_of_bias(mesh, rung, material.nu, dim) if rung not in SMOOTH else None
     if rung == "shell":
         from kirigami.elements.shell_facet import ShellFacet
 
@@ -55,7 +60,6 @@ def sheet_parts(
             raise ModelError("Model.from_mesh: stiffness='split' bends, so it needs dim=3; in a plane use 'facet'")
         normals, curved = _curved_facets(nodes, mesh, thickness, material)
         return nodes + normals, curved, constants
-    _warn_of_bias(mesh)
     EA = bar_stiffness(mesh, thickness, material.E, calibration.F_s).tolist()
     elements: list[ModelObject] = [
         Bar(nodes[j], nodes[k], value) for (j, k), value in zip(mesh.edges.tolist(), EA)
@@ -71,19 +75,42 @@ def sheet_parts(
     return nodes, elements, constants
 
 
-def _warn_of_bias(mesh: TriMesh) -> None:
-    """Say so where bars and hinges on this mesh are far from isotropic, as on squares with one diagonal."""
+def _warn_of_bias(mesh: TriMesh, rung: str, nu: float, dim: int) -> None:
+    """Say so where the mesh makes bars and hinges, or flat facets, far from what the sheet is."""
     if len(mesh.triangles) < FEW:
         return
-    low, high = directional_bias(mesh)
-    if low < 1 - BIAS or high > 1 + BIAS:
+    bias = MeshBias(mesh, nu)
+    advice = "kirigami.stiffness.report(mesh) has the numbers; use a mesh without a pattern, or stiffness='shell'"
+    if rung == "facet":
+        ranges = {"bending": bias.facet_bending, "twisting": bias.facet_twisting} if dim == 3 else {}
+        _warn(ranges, FACET_BIAS, "flat facets on it represent", "of the material's", advice)
+        return
+    ranges = {"edges": bias.edges, "stretching": bias.stretching, "shear": bias.shear}
+    if dim == 3:
+        ranges |= {"bending": bias.bending, "twisting": bias.twisting}
+    told = _warn(ranges, BIAS, "bars and hinges on it represent", "of what they should before they relax", advice)
+    free = bias.free_stretching
+    if not told and free is not None and free[0] < 1 - FREE:
         warnings.warn(
-            f"the mesh is biased: its edges favour some directions, so that bars and hinges on it represent {low:.2f} "
-            f"to {high:.2f} times the stiffness before they relax, and G and twisting rigidity are off by more than "
-            "20 %. Use a mesh without a pattern, or stiffness='split'; kirigami.stiffness.report(mesh) has the numbers",
+            f"bars lose stiffness at the free edges of this mesh: pulled with its edges free, it represents "
+            f"{free[0]:.2f} to {free[1]:.2f} times the sheet's, by direction. Use a finer mesh, or stiffness='facet' "
+            "or 'shell', which lose none; kirigami.stiffness.report(mesh) has the numbers",
             KirigamiWarning,
-            stacklevel=4,
+            stacklevel=5,
         )
+
+
+def _warn(ranges: dict[str, tuple[float, float]], bound: float, who: str, what: str, advice: str) -> bool:
+    off = {name: span for name, span in ranges.items() if span[0] < 1 - bound or span[1] > 1 + bound}
+    if off:
+        words = ", ".join(f"{low:.2f} to {high:.2f} times the {name}" for name, (low, high) in off.items())
+        words = words.replace("times the edges", "times the stiffness along their directions")
+        warnings.warn(
+            f"the mesh is biased: its edges favour some directions, so that {who} {words} {what}. {advice}",
+            KirigamiWarning,
+            stacklevel=6,
+        )
+    return bool(off)
 
 
 def _curved_facets(

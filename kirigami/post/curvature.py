@@ -19,7 +19,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from kirigami.errors import ModelError
-from kirigami.post.shape import checked_positions, principal_values
+from kirigami.geometry.folds import fold_angles, fold_curvature_rates
+from kirigami.post.shape import check_flat, checked_positions, principal_values
 
 if TYPE_CHECKING:
     from kirigami.geometry.mesh import TriMesh
@@ -27,7 +28,6 @@ if TYPE_CHECKING:
 Floats = NDArray[np.float64]
 
 KINDS = ("mean", "gaussian", "principal", "tensor")
-FLAT = 1e-9  # largest height of a flat drawing, over its size
 UNSEEN = 1e-6  # a combination of curvatures that the angles determine less well than this is taken as zero
 
 
@@ -76,8 +76,7 @@ def curvature(positions: ArrayLike, mesh: TriMesh, kind: str = "mean", per: str 
     if kind not in KINDS or per not in ("facet", "node"):
         known = ", ".join(KINDS)
         raise ModelError(f"curvature: kind must be one of {known}, per 'facet' or 'node'; got {kind!r}, {per!r}")
-    if np.ptp(mesh.nodes[:, 2]) > FLAT * mesh.size:
-        raise ModelError("curvature: the drawing must be flat and level, but the nodes of the mesh differ in z")
+    check_flat(mesh, "curvature")
     components = _Fit(mesh).components(points)
     if per == "node":
         components = np.moveaxis(mesh.nodal_mean(np.moveaxis(components, -2, 0)), 0, -2)
@@ -100,7 +99,7 @@ class _Fit:
         inner = np.flatnonzero(mesh.edge_facets[:, 1] >= 0)
         self.triangles = mesh.triangles
         self.quads = np.column_stack([mesh.edge_wings[inner, 0], mesh.edges[inner], mesh.edge_wings[inner, 1]])
-        rows = angle_rows(mesh.nodes[self.quads, :2])
+        rows = fold_curvature_rates(mesh.nodes[self.quads, :2])
         size = np.linalg.norm(rows, axis=1)
         weight = mesh.facet_areas[mesh.edge_facets[inner]].sum(axis=1) / size**2
         self.weighted = rows * weight[:, None]
@@ -113,7 +112,7 @@ class _Fit:
         steps = points.reshape(-1, *points.shape[-2:])
         found = np.empty((len(steps), len(self.triangles), 3))
         for row, step in zip(found, steps):
-            angle = _angles(step[self.quads])
+            angle = fold_angles(step[self.quads])
             row[:] = np.einsum("fij,fj->fi", self.inverse, self._gather(self.weighted * angle[:, None]))
         return found.reshape(*points.shape[:-2], *found.shape[1:])
 
@@ -124,37 +123,3 @@ class _Fit:
             np.add.at(at_nodes, self.quads[:, corner], per_edge)
         total: Floats = at_nodes[self.triangles].sum(axis=1)
         return total
-
-
-def angle_rows(corners: Floats) -> Floats:
-    """Rates (e, 3) of the angles at edges with the curvature (kxx, kyy, kxy) of a sheet whose height is quadratic.
-
-    `corners` (e, 4, 2) are wing, edge nodes and wing in the flat sheet.
-    """
-    rate = _rates(corners)
-    x, y = np.moveaxis(corners - corners.mean(axis=1, keepdims=True), -1, 0)
-    # angle of the height (kxx x^2 + kyy y^2)/2 + kxy x y, whose linear part does not bend an edge
-    return np.stack([0.5 * (rate * x * x).sum(1), 0.5 * (rate * y * y).sum(1), (rate * x * y).sum(1)], axis=1)
-
-
-def _rates(corners: Floats) -> Floats:
-    """Rate of the angle with the heights (e, 4) of wing, edge nodes and wing, in the flat sheet."""
-    edge = corners[:, 2] - corners[:, 1]
-    length = np.linalg.norm(edge, axis=1)
-    rate = np.zeros((len(corners), 4))
-    for wing in (0, 3):
-        arm = corners[:, wing] - corners[:, 1]
-        off = np.abs(edge[:, 0] * arm[:, 1] - edge[:, 1] * arm[:, 0]) / length
-        foot = (edge * arm).sum(axis=1) / length**2
-        rate[:, wing] = 1 / off
-        rate[:, 1] -= (1 - foot) / off
-        rate[:, 2] -= foot / off
-    return rate
-
-
-def _angles(corners: Floats) -> Floats:
-    """Angle (e,) between the facets at edges with corners (e, 4, 3), positive where they are hollow from above."""
-    edge, first, second = (corners[:, c] - corners[:, 1] for c in (2, 0, 3))
-    m, n = np.cross(edge, first), np.cross(second, edge)
-    angle: Floats = np.arctan2(np.linalg.norm(edge, axis=1) * (m * second).sum(axis=1), (m * n).sum(axis=1))
-    return angle

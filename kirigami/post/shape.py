@@ -14,6 +14,7 @@ if TYPE_CHECKING:
 
 Floats = NDArray[np.float64]
 
+FLAT = 1e-9  # largest height of a flat drawing, over its size
 LEVELS = 41  # heights at which the band is measured; their mean is that of the band to about 1e-3 of its change
 
 
@@ -63,7 +64,7 @@ def width(positions: ArrayLike, mesh: TriMesh, axis: str = "y", band: float = 0.
     positions : array_like, shape (s, n, 3) or (n, 3)
         Node positions at each of s steps [length].
     mesh : TriMesh
-        The sheet as drawn, with an outline that a line across the pull meets twice.
+        The sheet as drawn, flat, with an outline that a line across the pull meets twice.
     axis : {"y", "x"}
         Direction of the pull.
     band : float
@@ -77,7 +78,7 @@ def width(positions: ArrayLike, mesh: TriMesh, axis: str = "y", band: float = 0.
     Raises
     ------
     ModelError
-        Positions of the wrong shape or not finite, an unknown axis, or a band out of range.
+        Positions of the wrong shape or not finite, an unknown axis, a band out of range, or a mesh that is not flat.
 
     Examples
     --------
@@ -99,7 +100,7 @@ def poisson_ratio(
     positions : array_like, shape (s, n, 3) or (n, 3)
         Node positions at each of s steps [length].
     mesh : TriMesh
-        The sheet as drawn, with an outline that a line across the pull meets twice.
+        The sheet as drawn, flat, with an outline that a line across the pull meets twice.
     axis : {"y", "x"}
         Direction of the pull.
     band : float
@@ -117,7 +118,8 @@ def poisson_ratio(
     Raises
     ------
     ModelError
-        Positions of the wrong shape or not finite, an unknown axis, a band out of range, or strains of another number.
+        Positions of the wrong shape or not finite, an unknown axis, a band out of range, strains of another number, or
+        a mesh that is not flat, such as a tube.
 
     Notes
     -----
@@ -151,6 +153,12 @@ def poisson_ratio(
     return ratio
 
 
+def check_flat(mesh: TriMesh, owner: str) -> None:
+    """Refuse what is not drawn flat, such as a tube: nothing there says what is along the sheet and what across."""
+    if np.ptp(mesh.nodes[:, 2]) > FLAT * mesh.size:
+        raise ModelError(f"{owner}: the drawing must be flat and level, but the nodes of the mesh differ in z")
+
+
 def checked_positions(positions: ArrayLike, owner: str, nodes: int | None = None) -> Floats:
     """Finite positions (s, n, 3) or (n, 3), or a ModelError."""
     points = np.asarray(positions, dtype=float)
@@ -172,6 +180,7 @@ class _Band:
             raise ModelError(f"{owner}: axis must be 'x' or 'y', got {axis!r}")
         if not 0 <= band <= 1:
             raise ModelError(f"{owner}: band must lie between 0 and 1, got {band!r}")
+        check_flat(mesh, owner)
         self.along, self.across = (1, 0) if axis == "y" else (0, 1)
         self.band = float(band)
         place = mesh.nodes[:, self.along]

@@ -6,7 +6,7 @@ found, and does its work:
 * Shell facets tell strain, curvature, force N and moment M themselves, and flat facets strain and N.
 * A bar of rest length L with force S and direction n in a facet of area A adds N = s S L n n' / A, and a hinge, fold or
   clamp with moment m adds M = s m R / A, where R : K is its angle under a uniform curvature K
-  (:mod:`kirigami.post.curvature`) and s is the share of the facet in the area of the one or two facets at the edge; a
+  (:mod:`kirigami.geometry.folds`) and s is the share of the facet in the area of the one or two facets at the edge; a
   fold of a flat facet is its own. So the sum of A (N : dE + M : dK) over the sheet is the work of all its elements
   under uniform changes dE and dK, whatever the mesh.
 
@@ -26,7 +26,8 @@ from kirigami.elements.bar import BarKernel
 from kirigami.elements.facet import FacetKernel
 from kirigami.elements.shell_kernel import ShellFacetKernel
 from kirigami.elements.triangle import ENDS, STARTS, edge_vectors, flat_edges, strain_from_edges
-from kirigami.post.curvature import angle_rows, curvature
+from kirigami.geometry.folds import fold_curvature_rates
+from kirigami.post.curvature import curvature
 from kirigami.primitives.kernel import Array, Kernel
 from kirigami.results.results import Results
 from kirigami.results.step import Step
@@ -120,7 +121,7 @@ class StateReader:
         inner = np.flatnonzero(mesh.edge_facets[:, 1] >= 0)
         rate = np.zeros((len(mesh.edges), 3))
         quads = np.column_stack([mesh.edge_wings[inner, 0], mesh.edges[inner], mesh.edge_wings[inner, 1]])
-        rate[inner] = angle_rows(mesh.nodes[quads, :2])
+        rate[inner] = fold_curvature_rates(mesh.nodes[quads, :2])
         work = (moments[..., None] * rate[edge]).sum(axis=1) / self.area[facets, None]
         return _tensor(work, half_shear=True)
 
@@ -145,7 +146,7 @@ class StateReader:
         corners = mesh.nodes[kernel.conn[rows], :2]
         if not whole:  # a clamp is half a hinge, against the mirror image of its facet
             corners = np.concatenate([corners, _mirrored(corners)[:, None]], axis=1)
-        rate = angle_rows(corners) * (1.0 if whole else 0.5)
+        rate = fold_curvature_rates(corners) * (1.0 if whole else 0.5)
         moment = self.results.member_force(kernel, step)[rows]
         energy = self.results.member_energy(kernel, step)[rows]
         tensor = _tensor(rate, half_shear=True) * moment[:, None, None]

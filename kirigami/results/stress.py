@@ -25,8 +25,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kirigami.errors import AnalysisError, ModelError
-from kirigami.post.curvature import FLAT
-from kirigami.post.shape import principal_values
+from kirigami.post.shape import check_flat, principal_values
 from kirigami.primitives.checks import require_positive
 from kirigami.primitives.material import Material
 from kirigami.results.sheet_state import SheetState, StateReader
@@ -180,8 +179,7 @@ def sheet_stress(
     mesh = results.mesh
     if mesh is None:
         raise AnalysisError("stress needs a model made by Model.from_mesh", results=results)
-    if np.ptp(mesh.nodes[:, 2]) > FLAT * mesh.size:
-        raise ModelError("stress: the drawing must be flat and level, but the nodes of the mesh differ in z")
+    check_flat(mesh, "stress")
     thickness = results.thickness if thickness is None else require_positive(thickness, "thickness", "stress")
     material = results.material if material is None else material
     if thickness is None or material is None:

@@ -9,14 +9,16 @@ many nodes inside). Cuts and holes are boundary, so they do not count as softnes
 from __future__ import annotations
 
 import math
+import warnings
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
-from kirigami.elements.stiffness import Calibration
-from kirigami.errors import ModelError
+from kirigami.elements.mesh_bias import free_compliance, stress_along
+from kirigami.elements.stiffness import Calibration, SheetConstants
+from kirigami.errors import KirigamiWarning, ModelError
 from kirigami.model.model import Model
 from kirigami.primitives.kernel import Array, Configuration, Kernel, full_hessian
 from kirigami.primitives.material import Material
@@ -25,6 +27,7 @@ from kirigami.system.system import System
 if TYPE_CHECKING:
     from kirigami.geometry.mesh import TriMesh
 
+PLATES = ("facet", "split", "shell")  # rungs whose uniform strain is exact, at free edges as well
 FLAT = 1e-9  # largest height of a flat mesh over its size
 DIRECTIONS = 36
 
@@ -45,6 +48,9 @@ class EffectiveProperties:
         What the mesh should represent.
     stiffness : str
         The rung, or the calibration.
+    free : ndarray, shape (3, 3), or None
+        Of bars: matrix of forces per length to mean strain where all edges are free [length / force]; facets lose
+        nothing there.
     """
 
     membrane: Array
@@ -52,6 +58,7 @@ class EffectiveProperties:
     thickness: float
     material: Material
     stiffness: str
+    free: Array | None = None
 
     @property
     def ratios(self) -> dict[str, tuple[float, float, float]]:
@@ -73,6 +80,16 @@ class EffectiveProperties:
         return {name: (float(np.mean(list_)), min(list_), max(list_)) for name, list_ in values.items()}
 
     @property
+    def free_stretching(self) -> tuple[float, float, float] | None:
+        """Mean, smallest and largest modulus of bars over E in a sheet whose edges are all free, where they lose
+        stiffness; None for elements that lose nothing there."""
+        if self.free is None:
+            return None
+        pull = stress_along(np.arange(DIRECTIONS) * math.pi / DIRECTIONS)
+        found = 1 / np.einsum("di,ij,dj->d", pull, self.free, pull) / (self.material.E * self.thickness)
+        return float(found.mean()), float(found.min()), float(found.max())
+
+    @property
     def nu(self) -> float:
         """Poisson's ratio in the plane, the mean over directions."""
         angles = np.arange(DIRECTIONS) * math.pi / DIRECTIONS
@@ -90,6 +107,9 @@ class EffectiveProperties:
         lines += [
             f"  {name:9s} {mean:7.3f}   {low:.3f} to {high:.3f}" for name, (mean, low, high) in self.ratios.items()
         ]
+        if self.free_stretching is not None:
+            mean, low, high = self.free_stretching
+            lines.append(f"  E where edges are free {mean:.3f}   {low:.3f} to {high:.3f}")
         lines.append(f"  nu {self.nu:.3f} (material {self.material.nu:.3f})")
         return "\n".join(lines)
 
@@ -138,7 +158,9 @@ def report(
     if np.ptp(mesh.nodes[:, 2]) > FLAT * mesh.size:
         raise ModelError("stiffness.report: the mesh is not flat; give it the mesh before folding or perturbing it")
     flat = TriMesh(mesh.nodes, mesh.triangles, thickness=mesh.thickness, material=mesh.material)
-    model = Model.from_mesh(flat, thickness, material, stiffness)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", KirigamiWarning)  # whoever asks for the numbers is warned
+        model = Model.from_mesh(flat, thickness, material, stiffness)
     constants = model.sheet_constants
     assert constants is not None
     system = System(model)
@@ -158,7 +180,14 @@ def report(
         constants.thickness,
         constants.material,
         name,
+        None if constants.rung in PLATES else _free(flat, constants),
     )
+
+
+def _free(mesh: TriMesh, constants: SheetConstants) -> Array:
+    """Mean strain of bars by forces per length where all edges are free."""
+    scale = constants.calibration.F_s * constants.material.E * constants.thickness
+    return free_compliance(mesh) / scale
 
 
 def _fields(system: System, mesh: TriMesh) -> tuple[Array, Array]:
