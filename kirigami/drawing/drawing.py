@@ -18,7 +18,7 @@ from kirigami.drawing.joining import chained, led_together, without_doubles, wit
 from kirigami.drawing.measure import Measure
 from kirigami.drawing.rim import Rim, crossing_text, find_rim, left_out_text
 from kirigami.drawing.roles import Roles, Row, listing, table_lines, table_of
-from kirigami.drawing.trimming import Trimmed, trimmed, without_scrap
+from kirigami.drawing.trimming import Trimmed, trimmed, without_effect, without_scrap
 from kirigami.errors import GeometryError, KirigamiWarning, ModelError
 from kirigami.units import metres_per, parse
 
@@ -137,7 +137,9 @@ def assemble(
     rim, holes = _found_rim(groups, raw, gap, measure, part, bounded_by_folds, said)
 
     cuts = trimmed([curve for curve in rim.rest if curve.role != "fold"], rim.polygon, gap)
-    cuts.inside = roles.settle(cuts.inside, rim.made_of)
+    cuts.inside, note = roles.settle(cuts.inside, rim.made_of)
+    if note:
+        _tell(note, said)
     creases = [*(curve for curve in rim.rest if curve.role == "fold"), *groups["fold"]]
     folds = trimmed(creases, rim.polygon, gap)
     _tell_trimmed(cuts, "cut", rim, measure, said)
@@ -145,6 +147,13 @@ def assemble(
 
     openings = {id(curve): _opening(curve) for curve in cuts.inside if curve.closed}
     slits = [curve for curve in cuts.inside if not curve.closed]
+    slits, in_vain = without_effect(slits, [*holes, *openings.values()])
+    if in_vain:
+        _tell(
+            f"{counted(len(in_vain), 'slit')} in an opening, without effect, left out: {measure.curves(in_vain)}; if "
+            "what lies round the opening is but a frame, leave it out by `ignore` or name the `outline`",
+            said,
+        )
     whole = without_scrap(rim.polygon, slits, [*holes, *openings.values()], gap, measure, part)
     for note in whole.notes:
         _tell(note, said)
@@ -167,7 +176,8 @@ def assemble(
         f"{counted(len(folds.inside), 'fold')}"
     )
     became = {number: "outline" for curve in rim.made_of for number in curve.numbers}
-    became |= {number: "cut" for curve in cuts.inside for number in curve.numbers if number not in became}
+    kept_cuts = [curve for curve in cuts.inside if curve not in in_vain]
+    became |= {number: "cut" for curve in kept_cuts for number in curve.numbers if number not in became}
     became |= {number: "fold" for curve in folds.inside for number in curve.numbers if number not in became}
     table = table_of(sorted_ones, became)
     fold_lines = tuple(shapely.LineString(curve.points) for curve in folds.inside)

@@ -55,6 +55,20 @@ class Network:
         found = shapely.polygonize(self.lines(edges)).geoms
         return sorted(found, key=lambda face: -face.area)
 
+    def ring(self, ring: Any) -> Integers:
+        """The edges along a ring that is made of them."""
+        numbers = self._number_of_point
+        along = np.array([numbers[point] for point in map(tuple, shapely.get_coordinates(ring).tolist())])
+        ends = np.sort(np.column_stack([along[:-1], along[1:]]), axis=1)
+        count = len(self.points)
+        keys = self.pairs[:, 0] * count + self.pairs[:, 1]  # ascending
+        edges: Integers = np.unique(np.searchsorted(keys, ends[:, 0] * count + ends[:, 1]))
+        return edges
+
+    @cached_property
+    def _number_of_point(self) -> dict[tuple[float, ...], int]:
+        return {point: index for index, point in enumerate(map(tuple, self.points.tolist()))}
+
     def of_line(self, line: int) -> Integers:
         """Edges along a line."""
         edges: Integers = self.owners[self.owners[:, 0] == line, 1]

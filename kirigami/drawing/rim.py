@@ -119,7 +119,7 @@ def _refuse_open(
     if not round_it.any():
         return
     error = gap_error(chains, raw, body.area, gap, measure)
-    own = np.unique(piece[_ring_edges(lines, body)])
+    own = np.unique(piece[lines.ring(body.exterior)])
     if error is None and round_it[np.setdiff1d(np.arange(len(low)), own)].any():
         error = open_outline(chains, raw, body.area, gap, measure)
     if error is not None:
@@ -177,7 +177,7 @@ def _picked(blobs: list[Any], part: int | None, measure: Measure) -> Any:
 
 def _rim_of(lines: Network, body: Any, chains: Sequence[Curve], sound: list[tuple[int, Any]]) -> Rim:
     """The rim round a body: one closed curve if that is most of it, else the outer face of open lines, or of all."""
-    skin = _ring_edges(lines, body)
+    skin = lines.ring(body.exterior)
     lengths = shapely.length(lines.lines(slice(None)))
     perimeter = lengths[skin].sum()
 
@@ -191,22 +191,10 @@ def _rim_of(lines: Network, body: Any, chains: Sequence[Curve], sound: list[tupl
     is_open = np.array([not curve.closed for curve in chains])
     open_edges = np.unique(lines.owners[is_open[lines.owners[:, 0]], 1])
     for blob in _blobs(lines, open_edges)[:1] if len(open_edges) else []:
-        edges = _ring_edges(lines, blob)
+        edges = lines.ring(blob.exterior)
         if fits(blob, edges):
             return _from_pieces(lines, blob, edges, chains)
     return _from_pieces(lines, body, skin, chains)
-
-
-def _ring_edges(lines: Network, polygon: Any) -> NDArray[np.int64]:
-    """The edges along the exterior of a polygon that is made of them."""
-    ring = shapely.get_coordinates(polygon.exterior)
-    number = {point: index for index, point in enumerate(map(tuple, lines.points.tolist()))}
-    along = np.array([number[point] for point in map(tuple, ring.tolist())])
-    ends = np.sort(np.column_stack([along[:-1], along[1:]]), axis=1)
-    count = len(lines.points)
-    keys = lines.pairs[:, 0] * count + lines.pairs[:, 1]  # ascending
-    edges: NDArray[np.int64] = np.unique(np.searchsorted(keys, ends[:, 0] * count + ends[:, 1]))
-    return edges
 
 
 def _from_pieces(lines: Network, polygon: Any, skin: NDArray[np.int64], chains: Sequence[Curve]) -> Rim:
@@ -233,36 +221,44 @@ def _without_frame(rim: Rim, raw: Sequence[Curve], gap: float, measure: Measure,
 
     Cuts in a hole would have no effect, so that nobody draws a sheet like that.
     """
-    low_x, low_y, high_x, high_y = rim.polygon.bounds
-    inner = [curve for curve in rim.rest if not curve.closed or len(rim.rest) > 1]
-    is_box = abs(rim.polygon.area - (high_x - low_x) * (high_y - low_y)) <= FINE * rim.polygon.area
-    if len(inner) < 2 or not is_box:
+    x0, y0, x1, y1 = rim.polygon.bounds
+    if len(rim.rest) < 2 or abs(rim.polygon.area - (x1 - x0) * (y1 - y0)) > FINE * rim.polygon.area:
         return rim
     lines = lines_of(rim.rest)
-    total = np.array([*shapely.total_bounds(lines)])
-    clear = (total[:2] > np.array([low_x, low_y]) + gap).all() and (total[2:] < np.array([high_x, high_y]) - gap).all()
-    if not clear:
+    attached = _attached(lines, rim.polygon.exterior, gap)  # a title block
+    free = [curve for curve, is_attached in zip(rim.rest, attached) if not is_attached]
+    if len(free) < 2:
         return rim
-    # Cheap: of the lines inside only those near their common bounds can be the rim of a sheet.
-    reaching = [
-        curve
-        for curve in rim.rest
-        if (np.abs(curve.points.min(axis=0) - total[:2]) <= gap).any()
-        or (np.abs(curve.points.max(axis=0) - total[2:]) <= gap).any()
-    ]
-    pieces = network([curve.points for curve in reaching], NODING * gap)
+    lines, block = lines[~attached], lines[attached]
+    box = shapely.total_bounds(lines)
+    # Of the lines inside only those near their common bounds can be the rim of a sheet that holds them all.
+    ends = shapely.bounds(lines)
+    outer = (np.abs(ends - box) <= gap).any(axis=1)
+    pieces = network([curve.points for curve, is_outer in zip(free, outer) if is_outer], NODING * gap)
     for blob in _blobs(pieces, np.arange(len(pieces.pairs)))[:1]:
         skin = blob.buffer(gap)
-        on_skin = shapely.covered_by(lines, skin.boundary.buffer(2 * gap))
-        if skin.covers(shapely.box(*total)) or shapely.covered_by(lines, skin).all():
-            if blob.area < FRAME_SHARE * rim.polygon.area or on_skin.all():
-                continue
+        within, along = shapely.covered_by(lines, skin), shapely.covered_by(lines, skin.boundary.buffer(2 * gap))
+        large = blob.area >= FRAME_SHARE * rim.polygon.area
+        if within.all() and not along.all() and large and not shapely.intersects(block, blob).any():
             text = (
                 f"{rim.made_of[0].called} is taken as the frame of a page and left out: all else lies within one "
                 f"outline inside it, {measure.box(blob.bounds)}"
             )
-            return replace(find_rim(rim.rest, raw, gap, measure, part), note=text)
+            return replace(find_rim(free, raw, gap, measure, part), note=text)
     return rim
+
+
+def _attached(lines: NDArray[np.object_], ring: Any, gap: float) -> NDArray[np.bool_]:
+    """Which lines hang together with a ring."""
+    from scipy.sparse import coo_array
+    from scipy.sparse.csgraph import connected_components
+
+    everything = np.append(lines, ring)
+    pairs = shapely.STRtree(everything).query(everything, predicate="dwithin", distance=gap)
+    graph = coo_array((np.ones(pairs.shape[1], np.int8), pairs), shape=(len(everything),) * 2)
+    piece = connected_components(graph, directed=False)[1]
+    attached: NDArray[np.bool_] = piece[:-1] == piece[-1]
+    return attached
 
 
 def left_out_text(curves: Sequence[Curve], used: Sequence[Curve], measure: Measure) -> str:

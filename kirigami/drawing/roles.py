@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import re
-import warnings
 from collections import Counter
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 from kirigami.drawing.curves import Curve, counted
-from kirigami.errors import GeometryError, KirigamiWarning
+from kirigami.errors import GeometryError
 
 Names = str | Iterable[str] | None
 
@@ -83,8 +82,8 @@ class Roles:
         groups = (self.outline, self.cuts, self.folds, self.ignore)
         return {name.casefold() for group in groups for name in listed(group)}
 
-    def settle(self, inner: Sequence[Curve], rim: Sequence[Curve]) -> list[Curve]:
-        """The curves inside the outline that are cut: those that are cuts by name, and of those without a role, cuts.
+    def settle(self, inner: Sequence[Curve], rim: Sequence[Curve]) -> tuple[list[Curve], str]:
+        """The curves inside the outline that are cut, by name or because nothing speaks against it, and a note.
 
         Parameters
         ----------
@@ -101,16 +100,15 @@ class Roles:
         unnamed = [curve for curve in inner if not curve.role]
         if listed(self.cuts):
             look = {(curve.layer, curve.color) for curve in rim}
+            note = ""
             left = [curve for curve in unnamed if not (curve.closed and (curve.layer, curve.color) in look)]
             if left:
-                warnings.warn(
+                note = (
                     f"{counted(len(left), 'curve')} inside the outline beside the cuts that were named: left out "
-                    f"({listing(left)}); {proposal(left, 'folds')} folds there, {proposal(left, 'cuts')} cuts",
-                    KirigamiWarning,
-                    stacklevel=4,
+                    f"({listing(left)}); {proposal(left, 'folds')} folds there, {proposal(left, 'cuts')} cuts"
                 )
             gone = set(map(id, left))
-            return [curve for curve in inner if id(curve) not in gone]
+            return [curve for curve in inner if id(curve) not in gone], note
         lines = [curve for curve in unnamed if not curve.closed]
         colors = Counter(curve.color for curve in lines if curve.color)
         known = {curve.color for curve in inner if curve.role == "cut"}
@@ -124,14 +122,12 @@ class Roles:
                 + f" (or `ignore={others[-1]}`, or `cuts` for each of them)"
             )
         odd = [curve for curve in lines if curve.color and curve.color not in known]
-        if known and odd:
-            warnings.warn(
-                f"{listing(odd)}: cut, though nothing says so and cuts have another colour; "
-                f"{proposal(odd, 'folds')} folds there, {proposal(odd, 'ignore')} leaves them out",
-                KirigamiWarning,
-                stacklevel=4,
-            )
-        return list(inner)
+        if not known or not odd:
+            return list(inner), ""
+        return list(inner), (
+            f"{listing(odd)}: cut, though nothing says so and cuts have another colour; {proposal(odd, 'folds')} folds "
+            f"there, {proposal(odd, 'ignore')} leaves them out"
+        )
 
 
 def proposal(curves: Sequence[Curve], option: str) -> str:

@@ -114,7 +114,8 @@ def read_svg(
     boxes = np.array([box for *_, drawn in found if (box := drawn.bbox()) is not None], dtype=float)
     if not len(boxes):
         seen = ", ".join(f"{number} {kind}" for kind, number in skipped.items()) or "nothing"
-        raise GeometryError(f"{path} holds no curves (it holds {seen})")
+        hint = "; name a layer to read it all the same" if skipped[HIDDEN] else ""
+        raise GeometryError(f"{path} holds no curves (it holds {seen}){hint}")
     distance = flatness * float((boxes[:, 2:].max(axis=0) - boxes[:, :2].min(axis=0)).max())
     curves, cut_off = [], 0
     for shape, place, color, drawn in found:

@@ -190,6 +190,8 @@ def _left(lines: Network, first: int, touching: list[int], slits: Sequence[Curve
     middles = shapely.line_interpolate_point(every, 0.5, normalized=True)
     shapely.prepare(sheet)
     inside: NDArray[np.bool_] = shapely.contains(sheet, middles)
+    for ring in (sheet.exterior, *sheet.interiors):
+        inside[lines.ring(ring)] = False
     order = {number: position for position, number in enumerate(touching)}
     left: list[Curve] = []
     for number, slit in enumerate(slits):
@@ -205,3 +207,16 @@ def _left(lines: Network, first: int, touching: list[int], slits: Sequence[Curve
             parts = shapely.get_parts(merged)
             left += [replace(slit, points=shapely.get_coordinates(piece), bow=0.0) for piece in parts]
     return left
+
+
+def without_effect(slits: Sequence[Curve], openings: Sequence[Any]) -> tuple[list[Curve], list[Curve]]:
+    """The slits that cut something, and those that lie in an opening, where nothing is left to be cut."""
+    if not slits or not openings:
+        return list(slits), []
+    lines, tree = lines_of(slits), shapely.STRtree(list(openings))
+    in_vain = np.zeros(len(slits), bool)
+    in_vain[tree.query(lines, predicate="covered_by")[0]] = True
+    return (
+        [slit for slit, flag in zip(slits, in_vain) if not flag],
+        [slit for slit, flag in zip(slits, in_vain) if flag],
+    )

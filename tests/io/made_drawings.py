@@ -145,6 +145,18 @@ def svg_drawings() -> list[Made]:
             f'<line x1="70" y1="20" x2="100" y2="60" {RED}/>'), WIDTH * HEIGHT - 400, slits=1, openings=1),
         Made("window_larger_than_half.svg", svg(sides(BLACK) + f'<rect x="5" y="5" width="110" height="70" {RED}/>'),
              WIDTH * HEIGHT - 7700, slits=0, openings=1),
+        Made("round_slot_from_the_rim.svg", svg(RIM + f'<path d="M0,38 H20 A2,2 0 0 1 20,42 H0" {RED}/>'),
+             WIDTH * HEIGHT - 80 - 2 * math.pi, slits=0, told="1 piece"),
+        Made("rim_broken_at_a_slot.svg", svg(
+            path([(0, 42), (0, 80), (120, 80), (120, 0), (0, 0), (0, 38)], False, BLACK)
+            + path([(0, 38), (20, 38), (20, 42), (0, 42)])), WIDTH * HEIGHT - 80, slits=0),
+        Made("corner_notch.svg", svg(RIM + f'<rect x="-5" y="-5" width="15" height="15" {RED}/>', wide),
+             WIDTH * HEIGHT - 100, slits=0, openings=1, told="notch"),
+        Made("strip_that_falls_off.svg", svg(RIM + path([(115, -5), (115, 85)]), wide), 115 * HEIGHT, slits=0, told="1 piece"),
+        Made("slit_across_itself.svg", svg(RIM + path([(20, 20), (60, 60), (60, 20), (20, 60)])), WIDTH * HEIGHT - 400,
+             slits=1, openings=1, told="1 piece"),
+        Made("mark_in_a_hole.svg", svg(RIM + f'<circle cx="60" cy="40" r="20" {BLACK}/>' + path([(55, 40), (65, 40)])),
+             WIDTH * HEIGHT - 400 * math.pi, slits=0, openings=1, told="1 slit in an opening, without effect"),
         Made("colours_named.svg", svg(boxed + path([(100, 0), (100, 80)], False, BLUE)), folds=1,
              options={"cuts": "red", "folds": "blue"}),
         Made("two_sheets.svg", svg(boxed + path([(130, 0), (170, 0), (170, 80), (130, 80)], True, BLACK),
@@ -232,6 +244,19 @@ def dxf_drawings() -> list[Made]:
         Made("bulges_and_slits.dxf", dxf(
             [polyline(rounded, True, bulges=dict.fromkeys((1, 3, 5, 7), quarter)),
              *(line(p, (80.0, 40.0 - k)) for k, p in enumerate(on_corner))]), round_area),
+        Made("rim_closed_by_cuts.dxf", dxf(
+            [polyline([(0, 42), (0, 80), (120, 80), (120, 0), (0, 0), (0, 38)], False, "OUTLINE"),
+             polyline([(0, 38), (20, 38), (20, 42), (0, 42)], False, "CUTS")]), WIDTH * HEIGHT - 80, slits=0,
+             told="closed by cuts"),
+        Made("frame_with_title_block.dxf", dxf(
+            [*box_lines([(-20, -20), (150, -20), (150, 100), (-20, 100)]), rim, *slits, line((100, -20), (100, -10)),
+             line((100, -10), (150, -10))]), told="frame of a page"),
+        Made("dimension_lines.dxf", dxf([rim, *slits, line((0, -5), (120, -5)), line((0, -1), (0, -7)),
+                                         line((120, -1), (120, -7))]), told="3 curves lie outside"),
+        Made("slits_from_corners.dxf", dxf([polyline([(0, 0), (60, -20), (120, 0), (120, 80), (0, 80)], True),
+                                            line((60, -20), (60, 20)), line((0, 80), (30, 50))]), 10800, slits=2),
+        Made("disc_of_two_arcs.dxf", dxf([arc((60, 40), 38, 0, 180), arc((60, 40), 38, 180, 360),
+                                          line((22, 40), (50, 40)), line((60, 20), (60, 60))]), math.pi * 38**2, slits=2),
         Made("small_gaps.dxf", dxf(
             [line((0, 0), (120, 0.004)), line((120, 0), (120, 80)), line((120.003, 80), (0, 80)), line((0, 80), (0, 0.005)),
              *slits])),
