@@ -131,7 +131,7 @@ def stretch(
     sheet, strain = _checked(sheet, strain, thickness, material)
     grips = find_grips(sheet, direction, None if grip is None else require_finite(grip, "grip", "stretch"))
     say(f"{'strips' if grips.strip else 'edges'} held at the {' and '.join(grips.names)}")
-    mesh = _mesh(sheet, grips, level.nodes if nodes is None else nodes, max_edge)
+    mesh = default_mesh(sheet, grips, level.nodes if nodes is None else nodes, max_edge)
     say(f"{len(mesh.nodes)} nodes, {len(mesh.triangles)} facets" if mesh.sizing is None else f"mesh: {mesh.sizing}")
     model, held, moved = held_model(mesh, grips, strain, stiffness or level.stiffness)
     _imperfect(model, amplitude)
@@ -163,7 +163,7 @@ def pulled_sheet(
 ) -> tuple[Model, list[Node]]:
     """Model of a sheet with its imperfection between its grips, to be pulled, and the nodes that are pulled."""
     grips = find_grips(sheet, direction)
-    model, _, moved = held_model(_mesh(sheet, grips, None, max_edge), grips, strain, stiffness)
+    model, _, moved = held_model(default_mesh(sheet, grips, None, max_edge), grips, strain, stiffness)
     _imperfect(model, None)
     return model, moved
 
@@ -196,7 +196,8 @@ def _checked(
     return Sheet(sheet.outline, sheet.cuts, thickness, material), strain
 
 
-def _mesh(sheet: Sheet, grips: Grips, nodes: int | None, max_edge: float | None) -> TriMesh:
+def default_mesh(sheet: Sheet, grips: Grips, nodes: int | None, max_edge: float | None) -> TriMesh:
+    """The mesh of a sheet between its grips, within a budget of nodes unless a longest edge is given."""
     if max_edge is not None or nodes is None:
         return sheet.mesh(max_edge, lines=grips.lines())
     return sheet.mesh(nodes=round(require_positive(nodes, "nodes", "stretch")), lines=grips.lines())
