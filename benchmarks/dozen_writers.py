@@ -38,6 +38,8 @@ def points_of(curve: Curve) -> list[Point]:
             count = max(2, math.ceil(math.radians(abs(end - start)) / (2 * math.acos(1 - FLAT / radius))))
             points += [at(centre, radius, start + (end - start) * k / count) for k in range(1, count)]
         points.append(ends(piece)[1])
+    if is_closed(curve):
+        points[-1] = points[0]
     return points
 
 
