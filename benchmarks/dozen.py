@@ -21,7 +21,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-import shapely
+from dozen_drawings import separate
 
 import kirigami as kg
 from kirigami import units
@@ -56,13 +56,6 @@ def read(row: dict[str, Any]) -> tuple[Drawing, kg.Sheet]:
     return drawing, drawing.sheet(units.parse(row["thickness"], "length"), kg.Material(E=E, nu=0.34))
 
 
-def separate_cuts(sheet: kg.Sheet) -> int:
-    """Number of cuts that do not touch each other, however many strokes drew them."""
-    size = max(sheet.bounds[2] - sheet.bounds[0], sheet.bounds[3] - sheet.bounds[1])
-    joined = shapely.union_all([cut.buffer(1e-5 * size) for cut in sheet.cuts])
-    return len(shapely.get_parts(joined))
-
-
 def linear_stiffness(sheet: kg.Sheet, accuracy: str) -> tuple[float, int]:
     """Force per displacement over E t at the mesh and on the rung of an accuracy, and its nodes."""
     level, grips = ACCURACY[accuracy], find_grips(sheet, "y")
@@ -78,7 +71,7 @@ def judge(row: dict[str, Any], accuracy: str, linear: bool, reference: float) ->
     name = Path(row["file"]).stem
     _, sheet = read(row)
     found: dict[str, Any] = {"name": name, "accuracy": accuracy, "area_error": sheet.area / row["area"] - 1}
-    found["cuts"] = separate_cuts(sheet)
+    found["cuts"] = separate(sheet.cuts)
     found["read"] = abs(found["area_error"]) < 1e-3 and found["cuts"] == row["cuts"]
     begun = time.process_time()
     stiffness, found["nodes"] = linear_stiffness(sheet, accuracy)

@@ -334,6 +334,12 @@ def dozen() -> list[Design]:
     ]
 
 
+def separate(cuts: Sequence[shapely.LineString | shapely.Polygon]) -> int:
+    """Number of cuts that do not touch each other, however many strokes drew them."""
+    size = max(abs(value) for cut in cuts for value in cut.bounds)
+    return len(shapely.get_parts(shapely.union_all([cut.buffer(1e-5 * size) for cut in cuts])))
+
+
 def main() -> None:
     """Write the drawings and what is to be read in them."""
     FOLDER.mkdir(parents=True, exist_ok=True)
@@ -343,7 +349,7 @@ def main() -> None:
         listed.append({
             "file": design.file.name, "about": design.about, "dialect": design.write.__name__.strip("_"),
             "thickness": f"{design.thickness:g}mm", "E": f"{design.E:g}GPa", "area": float(f"{design.area:.9g}"),
-            "cuts": len(design.cuts),
+            "cuts": separate(design.shapes()),
         })  # fmt: skip
     text = "[\n" + ",\n".join(json.dumps(row) for row in listed) + "\n]\n"
     (FOLDER / "dozen.json").write_text(text, encoding="utf-8")
