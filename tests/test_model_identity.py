@@ -176,8 +176,33 @@ def test_every_edit_makes_a_system_stale(edit: str) -> None:
         "hold": lambda: m.hold(step),
         "perturb": lambda: m.perturb([[0, 0], [0.1, 0]]),
     }[edit]()
+    still = np.zeros((2, 3))
+    calls: list[Callable[[], Any]] = [
+        system.stiffness,
+        system.check_version,
+        system.check_supports,
+        lambda: system.gradient(still),
+        lambda: system.forces(still, 0.0),
+        lambda: system.energies(still),
+        lambda: system.imbalance(still, 0.0),
+        lambda: system.stiffness_blocks(still, 0.0),
+        lambda: system.potential_rate(still, 0.0),
+        lambda: system.commit(still),
+    ]
+    for call in calls:
+        with pytest.raises(kg.ModelError, match="edited"):
+            call()
+
+
+def test_an_edit_in_the_middle_of_a_run_is_refused() -> None:
+    m, _, b = rod()
+
+    def stop(step: kg.Step) -> bool:
+        m.add(kg.NodalLoad(b, (1, 0)))
+        return False
+
     with pytest.raises(kg.ModelError, match="edited"):
-        system.stiffness()
+        kg.ArcLength(m, step=0.05, stop=stop, max_steps=5).run()
 
 
 # ---- copies

@@ -6,7 +6,7 @@ Under a uniform strain or curvature of the sheet, before any node gives way, the
     facets  sum of A (P K)' D (P K) / 2,       P K = sum over the folds of L / (A + A') (R : K) n n'
 
 with the direction n of a bar or across a fold and the angle R : K of a fold (:mod:`kirigami.geometry.folds`). On
-meshes with a pattern no node gives way, so that this is what the mesh represents; on others it is close to what
+meshes with a pattern hardly any node gives way, so that this is what the mesh represents; on others it is close to what
 ``kirigami.stiffness.report`` finds. The numbers here are ratios to what the same elements represent where all
 directions have an equal share: Poisson ratios of 1/3 in the plane and -1/3 in bending for bars and hinges, and the
 material for facets.
@@ -143,7 +143,8 @@ class MeshBias:
     @property
     def _hinges(self) -> Array:
         inner, rates, _ = self._folds
-        weight = self.mesh.edge_lengths[inner] ** 2 / self.shared[inner] / self.area
+        covered = self.shared[inner].sum() / 3  # edges of the rim have no hinge, which is no matter of directions
+        weight = self.mesh.edge_lengths[inner] ** 2 / self.shared[inner] / covered
         return np.asarray(np.einsum("e,ei,ej->ij", weight, rates, rates))
 
     @property

@@ -112,7 +112,8 @@ def _packed(data: bytes) -> str:
 
 def _contents(results: Results, shown: NDArray[np.int64]) -> tuple[dict[str, Any], bytes]:
     """What the page must know, and the bytes of its arrays, one after the other."""
-    positions = results.position()[shown]
+    points = results.without_tips if results.mesh is not None else np.arange(len(results.rest))
+    positions = results.position()[shown][:, points]
     low, extent = positions.min(axis=(0, 1)), np.ptp(positions, axis=(0, 1))
     extent[extent == 0] = 1.0
     levels = np.round((positions - low) / extent * LEVELS).astype(np.uint16)
@@ -131,14 +132,13 @@ def _contents(results: Results, shown: NDArray[np.int64]) -> tuple[dict[str, Any
         blocks.append(_planes(mesh.triangles))
         lines = mesh.edges[mesh.boundary_edges]
         fields["strain"] = (facet_strain(results)[shown], "facet")
-        fields["energy"] = (energy_density(results)[shown], "node")
+        fields["energy"] = (energy_density(results)[shown][:, points], "node")
     else:
         head["triangles"] = 0
-        bars = [kernel for kernel in results.kernels if kernel.name == "bars"]
-        lines = np.concatenate([np.empty((0, 2), np.int64), *(kernel.conn for kernel in bars)])
-        if len(bars) == 1 and len(lines):
+        lines = results.bars
+        if len(lines):
             fields["strain"] = (results.bar_strain[shown], "line")
-        fields["energy"] = (energy_density(results)[shown], "node")
+        fields["energy"] = (energy_density(results)[shown][:, points], "node")
     head["lines"] = len(lines)
     blocks.append(_planes(lines))
     head["fields"] = {}

@@ -61,12 +61,14 @@ def write_vtk(results: Results, folder: str | os.PathLike[str], name: str = "ste
     energy = energy_density(results)
     reaction = _reactions(results)
     positions = results.position()
+    points = results.without_tips if results.mesh is not None else np.arange(len(results.rest))
     target = Path(folder)
     files = []
     for index in range(len(results)):
-        point_data = {"displacement": results.u[index], "reaction": reaction[index], "energy_density": energy[index]}
+        fields = {"displacement": results.u, "reaction": reaction, "energy_density": energy}
+        point_data = {key: values[index][points] for key, values in fields.items()}
         mesh = meshio.Mesh(
-            positions[index], cells, point_data, {key: [values[index]] for key, values in cell_data.items()}
+            positions[index][points], cells, point_data, {key: [values[index]] for key, values in cell_data.items()}
         )
         path = target / f"{name}_{index:04d}.vtu"
         with whole_file(path) as unfinished:
@@ -82,13 +84,9 @@ def _cells(results: Results) -> tuple[list[tuple[str, Any]], dict[str, Any]]:
     """Cells to draw and their data by step (s, cells)."""
     if results.mesh is not None:
         return [("triangle", results.mesh.triangles)], {"strain": facet_strain(results)}
-    bars = [kernel for kernel in results.kernels if kernel.name == "bars"]
-    if not bars:
+    if not len(results.bars):
         return [("vertex", np.arange(len(results.rest))[:, None])], {}
-    conn = np.empty((sum(len(kernel.conn) for kernel in bars), 2), np.int64)
-    for kernel in bars:
-        conn[slice(None) if kernel.members is None else kernel.members] = kernel.conn
-    return [("line", conn)], {"force": results.bar_force, "strain": results.bar_strain}
+    return [("line", results.bars)], {"force": results.bar_force, "strain": results.bar_strain}
 
 
 def _reactions(results: Results) -> Any:

@@ -19,7 +19,7 @@ from kirigami.primitives.parts import ModelObject
 
 FEW = 50  # facets below which a mesh is too small to have a pattern
 BIAS = 0.2  # unevenness of stiffness over the directions, before relaxation, that is worth a warning
-FACET_BIAS = 0.3  # the same of the rigidity of flat facets, which coarse meshes make uneven by a quarter at worst
+FOLD_BIAS = 0.3  # the same of bending and twisting, which meshes without a pattern make uneven by a quarter at worst
 FREE = 0.1  # stiffness lost at free edges that is worth a warning
 SMOOTH = ("split", "shell")  # rungs that are right on any mesh
 
@@ -83,12 +83,13 @@ def _warn_of_bias(mesh: TriMesh, rung: str, nu: float, dim: int) -> None:
     advice = "kirigami.stiffness.report(mesh) has the numbers; use a mesh without a pattern, or stiffness='shell'"
     if rung == "facet":
         ranges = {"bending": bias.facet_bending, "twisting": bias.facet_twisting} if dim == 3 else {}
-        _warn(ranges, FACET_BIAS, "flat facets on it represent", "of the material's", advice)
+        _warn(ranges, {}, "flat facets on it represent", "of the material's", advice)
         return
     ranges = {"edges": bias.edges, "stretching": bias.stretching, "shear": bias.shear}
+    bounds = dict.fromkeys(ranges, BIAS)
     if dim == 3:
         ranges |= {"bending": bias.bending, "twisting": bias.twisting}
-    told = _warn(ranges, BIAS, "bars and hinges on it represent", "of what they should before they relax", advice)
+    told = _warn(ranges, bounds, "bars and hinges on it represent", "of what they should before they relax", advice)
     free = bias.free_stretching
     if not told and free is not None and free[0] < 1 - FREE:
         warnings.warn(
@@ -96,19 +97,26 @@ def _warn_of_bias(mesh: TriMesh, rung: str, nu: float, dim: int) -> None:
             f"{free[0]:.2f} to {free[1]:.2f} times the sheet's, by direction. Use a finer mesh, or stiffness='facet' "
             "or 'shell', which lose none; kirigami.stiffness.report(mesh) has the numbers",
             KirigamiWarning,
-            stacklevel=5,
+            stacklevel=4,
         )
 
 
-def _warn(ranges: dict[str, tuple[float, float]], bound: float, who: str, what: str, advice: str) -> bool:
-    off = {name: span for name, span in ranges.items() if span[0] < 1 - bound or span[1] > 1 + bound}
+def _warn(
+    ranges: dict[str, tuple[float, float]], bounds: dict[str, float], who: str, what: str, advice: str
+) -> bool:
+    """Tell the ranges that leave their bound, which is FOLD_BIAS where none is given; returns whether there are any."""
+    off = {
+        name: (low, high)
+        for name, (low, high) in ranges.items()
+        if max(1 - low, high - 1) > bounds.get(name, FOLD_BIAS)
+    }
     if off:
         words = ", ".join(f"{low:.2f} to {high:.2f} times the {name}" for name, (low, high) in off.items())
         words = words.replace("times the edges", "times the stiffness along their directions")
         warnings.warn(
             f"the mesh is biased: its edges favour some directions, so that {who} {words} {what}. {advice}",
             KirigamiWarning,
-            stacklevel=6,
+            stacklevel=5,
         )
     return bool(off)
 

@@ -140,12 +140,13 @@ class System(Unknowns):
         return math.hypot(self._noises[0], small * self._noises[1])
 
     def check_version(self) -> None:
-        """Refuse to answer for a model that has changed since."""
+        """Refuse to answer for a model that has changed since; whatever depends on displacements asks this first."""
         if self.model.version != self.version:
             raise ModelError("the model was edited after this System was made: make a new System or analysis")
 
     def configuration(self, u: Array) -> Configuration:
         """Current rows (rows, dim) at displacements `u` (rows, dim or 3)."""
+        self.check_version()
         return Configuration(self.rest, np.asarray(u, dtype=float)[:, : self.dim])
 
     def parted(self, u: Array) -> tuple[Array, Array]:
@@ -204,7 +205,6 @@ class System(Unknowns):
 
     def gradient(self, u: ArrayLike, lam: float = 0.0) -> Array:
         """Gradient of the total potential (n, 3) at displacements `u` (n, 3): internal minus external forces."""
-        self.check_version()
         return self.parted(self.forces(np.asarray(u, dtype=float), lam)[0])[0]
 
     def potential_rate(self, u: Array, lam: float) -> float:
@@ -358,6 +358,7 @@ class System(Unknowns):
         """Raise a MechanismError that names every rigid motion the constraints leave to a connected part."""
         from kirigami.system.supports import free_rigid_motions
 
+        self.check_version()
         with self.clock("checks"):
             found = free_rigid_motions(self)
         if found:

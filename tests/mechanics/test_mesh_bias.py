@@ -53,7 +53,9 @@ def told(mesh: kg.TriMesh, rung: str, dim: int = 3) -> list[str]:
     with warnings.catch_warnings(record=True) as said:
         warnings.simplefilter("always")
         kg.Model.from_mesh(mesh, 0.01, STEEL, stiffness=rung, dim=dim)
-    return [str(w.message) for w in said if issubclass(w.category, kg.KirigamiWarning)]
+    ours = [w for w in said if issubclass(w.category, kg.KirigamiWarning)]
+    assert all(w.filename == __file__ for w in ours)  # the line of the script that made the model
+    return [str(w.message) for w in ours]
 
 
 @pytest.mark.parametrize("pattern", ["single", "alternate"])
@@ -67,10 +69,11 @@ def test_on_a_pattern_the_closed_form_is_what_the_mesh_represents(pattern: str) 
     np.testing.assert_allclose(np.array(bias.shear) * 3 / 8, np.array(bars["G"][1:]) * G, rtol=3e-2)
     np.testing.assert_allclose(bias.facet_bending, facets["bending"][1:], rtol=1e-6)
     np.testing.assert_allclose(bias.facet_twisting, facets["twisting"][1:], rtol=1e-6)
-    np.testing.assert_allclose(bias.bending, bars["bending"][1:], rtol=0.15)  # the rim counts there
+    np.testing.assert_allclose(bias.bending, bars["bending"][1:], atol=0.15)  # alternating hinges give way a little
     if pattern == "single":
         np.testing.assert_allclose(bias.stretching, (1 / 3, 4 / 3), rtol=5e-3)  # in the limit of many squares
         np.testing.assert_allclose(bias.edges, (4 / 9, 4 / 3), rtol=5e-3)
+        np.testing.assert_allclose(bias.bending, (3 / 4, 3), rtol=5e-3)
 
 
 def test_equilateral_facets_have_no_bias() -> None:
