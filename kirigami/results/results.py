@@ -15,6 +15,7 @@ from kirigami.primitives.kernel import Array, Configuration, Kernel, hessian_pro
 from kirigami.primitives.node import AXES, Node
 from kirigami.results.record import ModelRecord, Nodes
 from kirigami.results.step import Event, Step
+from kirigami.results.supports import carried_by
 
 if TYPE_CHECKING:
     from kirigami.system.system import System
@@ -229,6 +230,9 @@ class Results(ModelRecord):
     def reaction(self, nodes: Nodes, axis: str | Sequence[float] | Array | None = None) -> Array:
         """Force of the support on the structure, summed over nodes.
 
+        What is tied to a node counts with it: the support holds it by the tie. So the force of a support that drives
+        the leader of a rigid grip is that of the whole grip, and its work is the energy stored.
+
         Parameters
         ----------
         nodes : Node, int, str, or sequence of Node or int
@@ -246,7 +250,8 @@ class Results(ModelRecord):
         ModelError
             Empty selection, nodes that were not in the model of the run, or an unknown axis.
         """
-        total: Array = self._gradients[:, self.node_index(nodes)].sum(axis=1)
+        carried = carried_by(self.node_index(nodes), self.supports, len(self.rest))
+        total: Array = np.where(carried, self._gradients, 0.0).sum(axis=1)
         if axis is None:
             return total
         if isinstance(axis, str):

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kirigami.primitives.kernel import Array
+from kirigami.primitives.node import AXES
 
 if TYPE_CHECKING:
     from kirigami.model.model import Model
@@ -93,3 +94,24 @@ def supports_of(model: Model) -> tuple[Support, ...]:
         )
         for name, item in named(model.constraints)
     )
+
+
+def carried_by(nodes: NDArray[np.int64], supports: Iterable[Support], count: int) -> NDArray[np.bool_]:
+    """Which displacements (count, 3) go where `nodes` go: their own, and those tied to them, in chains as well.
+
+    What holds a node holds by ties all that follows it.
+    """
+    leader = np.full((count, 3), -1)
+    for support in supports:
+        if len(support.leaders):
+            for axis in support.dofs:
+                leader[support.nodes, AXES.index(axis)] = support.leaders
+    carried = np.zeros((count, 3), dtype=bool)
+    carried[nodes] = True
+    follower, axis = np.nonzero(leader >= 0)
+    for _ in range(len(follower)):
+        new = carried[leader[follower, axis], axis] & ~carried[follower, axis]
+        if not new.any():
+            break
+        carried[follower[new], axis[new]] = True
+    return carried
