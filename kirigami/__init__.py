@@ -27,6 +27,7 @@ _HOME = {
     "Crease": "elements.crease",
     "Fix": "model.constraints",
     "Prescribe": "model.constraints",
+    "Symmetry": "model.constraints",
     "Tie": "model.constraints",
     "NodalLoad": "model.loads",
     "Calibration": "elements.stiffness",
@@ -124,6 +125,7 @@ if TYPE_CHECKING:
     from kirigami.lattice.periodic import PeriodicCell as PeriodicCell
     from kirigami.model.constraints import Fix as Fix
     from kirigami.model.constraints import Prescribe as Prescribe
+    from kirigami.model.constraints import Symmetry as Symmetry
     from kirigami.model.constraints import Tie as Tie
     from kirigami.model.loads import NodalLoad as NodalLoad
     from kirigami.model.model import Model as Model

@@ -24,6 +24,7 @@ SIGNATURES = {
     "Fix": "(nodes, dofs='xyz', clamp=False)",
     "Prescribe": "(nodes, x=None, y=None, z=None, clamp=False)",
     "Tie": "(followers, leaders, dofs='xyz')",
+    "Symmetry": "(nodes, normal='x')",
     "NodalLoad": "(nodes, force, constant=False)",
     "Calibration": "(F_s, c)",
     "Model": "(dim=3, name='')",

@@ -1,118 +1,167 @@
-"""The clamp: a boundary edge that keeps its slope, by a bending hinge against the mirror image of its facet.
+"""Edges of the sheet that a clamp or a mirror plane holds: they bend against the mirror image of their facet.
 
-The rotation phi of the facet (j, k, i) against its rest plane is the angle of a bending hinge whose other wing is the
-mirror image of the facet in the rest state and moves along with the edge. A whole hinge would fold by 2 phi; half of
-its energy k (2 phi)^2 / 2 with k = D L^2 / (2 A) belongs to the real facet: (D L^2 / A) phi^2 / 2.
+The facet (j, k, i) turns by phi about its edge, against the direction that a clamp carries along or that a mirror plane
+fixes (:mod:`kirigami.elements.edge_turn`). Its mirror image turns as much the other way, so that the two fold by
+2 phi, and half of the energy of that fold belongs to the facet:
+
+* Sheets of bars and hinges: a whole hinge has k (2 phi)^2 / 2 with k = D L^2 / (2 A), half of it is
+  (D L^2 / A) phi^2 / 2.
+* Facets: the angle 2 phi takes its place among the fold angles of the facet, from which it was eliminated as that of a
+  free edge. What the elimination took away is (B / 2) (theta_c + sum w_d theta_d)^2, and is given back with
+  theta_c = 2 phi.
+
+So half a sheet is just that, and the clamp of a facet is the sheet beyond it, bent as a mirror image.
+
+Which edges are held is said in :mod:`kirigami.elements.held_edges`.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from kirigami.elements.bend_hinge import BendHingeKernel
-from kirigami.elements.stiffness import hinge_stiffness
-from kirigami.errors import ModelError
-from kirigami.primitives.kernel import (
-    EXACT,
-    Array,
-    Configuration,
-    Contribution,
-    Kernel,
-    Tangent,
-    displacement_of,
-    full_hessian,
-)
-from kirigami.primitives.node import Node
-from kirigami.primitives.parts import Numbering
+from kirigami.elements.edge_turn import EdgeTurn
+from kirigami.primitives.kernel import EXACT, Array, Contribution, Kernel, Tangent, full_hessian
+
+Index = NDArray[np.int64]
 
 
-def clamp_kernels(groups: Sequence[Sequence[Node]], numbering: Numbering) -> list[Kernel]:
-    """Hinges that keep the slope of boundary edges whose two nodes lie in one of the groups."""
-    if numbering.edges is not None:
-        return []  # the edges of shell facets have angles, which are held by elimination
-    mesh, constants = numbering.mesh, numbering.sheet
-    if mesh is None or constants is None:
-        raise ModelError("clamp=True needs a model made by Model.from_mesh: other models have no facets to clamp")
-    if len(numbering.normals[0]):
-        return []  # clamped nodes hold their normals, which is done by elimination
-    rigidity = hinge_stiffness(mesh, constants.thickness, constants.material.E, constants.calibration.c)
-    boundary = np.flatnonzero(mesh.edge_facets[:, 1] < 0)
-    chosen: set[int] = set()
-    for group in groups:
-        inside = np.isin(mesh.edges[boundary], numbering.index(group)).all(axis=1)
-        chosen.update(boundary[inside].tolist())
-    if not chosen:
-        return []
-    edges = np.array(sorted(chosen))
-    conn = np.column_stack([mesh.edge_wings[edges, 0], mesh.edges[edges]])
-    # The constant of an edge with one facet is D L^2 / A, just what the clamp needs.
-    return [ClampHingeKernel(numbering.rest, conn, rigidity[edges])]
+class HeldEdgeKernel(Kernel):
+    """Energy k chi^2 / 2 of the change of angles chi = sum of weight * phi and of weight * theta, member by member.
 
-
-class ClampHingeKernel(Kernel):
-    """Facets (j, k, i) that keep their slope at a clamped edge j-k; local nodes i, j, k. Energy k phi^2 / 2."""
+    Parameters
+    ----------
+    rest : ndarray, shape (rows, 3)
+        Rest positions.
+    conn : ndarray of int, shape (n, nodes)
+        Nodes of each member.
+    stiffness : ndarray, shape (n,)
+        k [force length / rad].
+    turn_of, fold_of : ndarray of int, shape (t,) and (f,)
+        Member that each turn phi, and each fold theta, belongs to.
+    turn_at : ndarray of int, shape (t, 3)
+        Local nodes of each turn: wing, ends of the edge.
+    turn_weight, fold_weight : ndarray, shape (t,) and (f,)
+        Weights.
+    normal : ndarray, shape (t, 3)
+        Normals of mirror planes.
+    carried : ndarray of bool, shape (t,)
+        True where a clamp carries the direction along instead.
+    fold_at : ndarray of int, shape (f, 4)
+        Local nodes of each fold, as of a bending hinge.
+    members : ndarray of int, optional
+        Not used.
+    """
 
     name = "clamps"
     anchored = True
     approximates = True
 
     def __init__(
-        self, rest: Array, conn: NDArray[np.int64], stiffness: Array, members: NDArray[np.int64] | None = None
+        self,
+        rest: Array,
+        conn: Index,
+        stiffness: Array,
+        turn_of: Index,
+        turn_at: Index,
+        turn_weight: Array,
+        normal: Array,
+        carried: NDArray[np.bool_],
+        fold_of: Index,
+        fold_at: Index,
+        fold_weight: Array,
+        members: Index | None = None,
     ) -> None:
         self.rest, self.conn, self.stiffness, self.members = rest, conn, stiffness, members
-        n = len(conn)
-        i, j, k = (rest[nodes] for nodes in conn.T)
-        edge = k - j
-        wing = i - j
-        along = edge * (np.einsum("na,na->n", wing, edge) / np.einsum("na,na->n", edge, edge))[:, None]
-        mirror = j + 2 * along - wing
-        # Every facet gets its own four points, so that the mirror image can be carried along by the edge's node j.
-        self._hinge = BendHingeKernel(
-            np.concatenate([i, j, k, mirror]),
-            np.arange(4 * n).reshape(4, n).T,
-            stiffness,
-            np.full(n, np.nan),
+        self.turn_of, self.turn_at, self.turn_weight = turn_of, turn_at, turn_weight
+        self.normal, self.carried = normal, carried
+        self.fold_of, self.fold_at, self.fold_weight = fold_of, fold_at, fold_weight
+        self._turns = EdgeTurn(rest, conn[turn_of[:, None], turn_at], normal, carried)
+        count = len(fold_of)
+        self._folds = BendHingeKernel(
+            rest, conn[fold_of[:, None], fold_at], np.ones(count), np.full(count, np.nan)
+        )
+
+    def arrays(self) -> dict[str, Any]:
+        names = (
+            "conn", "stiffness", "turn_of", "turn_at", "turn_weight", "normal", "carried",
+            "fold_of", "fold_at", "fold_weight", "members",
+        )  # fmt: skip
+        return {name: getattr(self, name) for name in names}
+
+    @property
+    def history(self) -> Array | None:
+        return np.append(self._turns.committed, np.asarray(self._folds.history))
+
+    @history.setter
+    def history(self, value: Array | None) -> None:
+        count = len(self._turns.initial)
+        self._turns.committed = self._turns.initial.copy() if value is None else np.array(value[:count], dtype=float)
+        self._folds.history = None if value is None else value[count:]
+
+    def commit(self, x: Array) -> None:
+        self._turns.committed = self._turns.angles(x)
+        self._folds.commit(x)
+
+    def deformation(self, x: Array) -> Array:
+        """Change of the angle chi of each edge (n,) [rad]: the rotation of its facet, on sheets of bars and hinges."""
+        n = len(self.conn)
+        turned = self.turn_weight * (self._turns.angles(x) - self._turns.initial)
+        folded = self.fold_weight * (self._folds.deformation(x) - self._folds.rest_angle)
+        return np.asarray(np.bincount(self.turn_of, turned, n) + np.bincount(self.fold_of, folded, n), dtype=float)
+
+    def force(self, deformation: Array) -> Array:
+        """Moment of each edge (n,) [force length]."""
+        return np.asarray(self.stiffness * deformation)
+
+    def evaluate(self, x: Array, lam: float = 1.0, need: int = 2, tangent: Tangent = EXACT) -> Contribution:
+        angle = self.deformation(x)
+        moment = self.stiffness * angle
+        energy = 0.5 * moment * angle
+        if need == 0:
+            return Contribution(energy)
+        edge, wing = self._turns.vectors(x)
+        vectors = self._folds.vectors(x)
+        wings, fold = self._folds.first_derivatives(*vectors)
+        chain = np.zeros((*self.conn.shape, 3))
+        slopes = self.turn_weight[:, None, None] * self._turns.first_derivatives(edge, wing)
+        np.add.at(chain, (self.turn_of[:, None], self.turn_at), slopes)
+        np.add.at(chain, (self.fold_of[:, None], self.fold_at), (self.fold_weight * fold).transpose(2, 1, 0))
+        gradient = moment[:, None, None] * chain
+        if need == 1:
+            return Contribution(energy, gradient)
+        hessian = np.einsum("n,npa,nqb->npqab", self.stiffness, chain, chain)
+        bent = (1 - tangent.convexity) * moment
+        second = self._turns.second_derivatives(edge, wing)
+        second *= (self.turn_weight * bent[self.turn_of])[:, None, None, None, None]
+        places = self.turn_at[:, :, None], self.turn_at[:, None]
+        np.add.at(hessian, (self.turn_of[:, None, None], *places), second)
+        if len(self.fold_of):
+            bending = self.fold_weight * bent[self.fold_of]
+            curved = np.empty((3, 3, len(self._folds.pairs), len(bending)))
+            self._folds.second_derivatives(curved, np.zeros_like(bending), bending, vectors[0], wings, fold)
+            found = Contribution(bending, fold.transpose(2, 1, 0), curved.transpose(3, 2, 0, 1))
+            places = self.fold_at[:, :, None], self.fold_at[:, None]
+            np.add.at(hessian, (self.fold_of[:, None, None], *places), full_hessian(self._folds, found))
+        return Contribution(energy, gradient, hessian)
+
+
+class ClampHingeKernel(HeldEdgeKernel):
+    """Facets (j, k, i) of bars and hinges that keep their slope at a clamped edge j-k; local nodes i, j, k.
+
+    Energy k phi^2 / 2.
+    """
+
+    def __init__(self, rest: Array, conn: Index, stiffness: Array, members: Index | None = None) -> None:
+        own = np.arange(len(conn))
+        no_folds = np.empty(0, np.int64), np.empty((0, 4), np.int64), np.empty(0)
+        at, weight = np.tile([0, 1, 2], (len(conn), 1)), np.ones(len(conn))
+        super().__init__(
+            rest, conn, stiffness, own, at, weight, np.zeros((len(conn), 3)), own >= 0, *no_folds, members=members
         )
 
     def arrays(self) -> dict[str, Any]:
         return {"conn": self.conn, "stiffness": self.stiffness, "members": self.members}
-
-    @property
-    def history(self) -> Array | None:
-        return self._hinge.history
-
-    @history.setter
-    def history(self, value: Array | None) -> None:
-        self._hinge.history = value
-
-    def _points(self, x: Array) -> Array:
-        u = displacement_of(x, self.rest)[self.conn.T]  # (3, n, dim)
-        return Configuration(self._hinge.rest, np.concatenate([u[0], u[1], u[2], u[1]]))
-
-    def commit(self, x: Array) -> None:
-        self._hinge.commit(self._points(x))
-
-    def deformation(self, x: Array) -> Array:
-        """Rotation of each clamped facet (n,) [rad]."""
-        return self._hinge.deformation(self._points(x))
-
-    def force(self, angle: Array) -> Array:
-        """Moment (n,) of the clamp on each facet."""
-        return np.asarray(self.stiffness * angle)
-
-    def evaluate(self, x: Array, lam: float = 1.0, need: int = 2, tangent: Tangent = EXACT) -> Contribution:
-        part = self._hinge.evaluate(self._points(x), lam, need, tangent)
-        if part.gradient is None:
-            return part
-        gradient = part.gradient[:, :3].copy()
-        gradient[:, 1] += part.gradient[:, 3]
-        if part.hessian is None:
-            return Contribution(part.energy, gradient)
-        full = full_hessian(self._hinge, part)
-        full[:, 1] += full[:, 3]
-        full[:, :, 1] += full[:, :, 3]
-        return Contribution(part.energy, gradient, np.ascontiguousarray(full[:, :3, :3]))

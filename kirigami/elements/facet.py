@@ -161,29 +161,10 @@ class FacetKernel(Kernel):
             across[f, c] = 0.5 * np.linalg.norm(
                 np.cross(neighbour[:, 1] - neighbour[:, 0], neighbour[:, 2] - neighbour[:, 0]), axis=1
             )
-            self._bending = self._bending_matrix(flat, across)
-
-    def _bending_matrix(self, flat: Array, across: Array) -> Array:
-        """Energy matrix (n, 3, 3) of the fold angles, those of free edges eliminated."""
-        length = np.sqrt(self._square)
-        normal = np.stack([flat[..., 1], -flat[..., 0]], axis=-1) / length[..., None]
-        columns = np.stack(
-            [normal[..., 0] ** 2, normal[..., 1] ** 2, 2 * normal[..., 0] * normal[..., 1]], axis=1
-        )
-        columns *= (length / (self.area[:, None] + across))[:, None]
-        self._to_curvature = columns
-        # Bending is the same plane stress over the thickness: t^3 / 12 in the place of t.
-        matrix = membrane_stiffness(columns, self.area, self.thickness**3 / 12, self.E, self.nu)
-        for c in range(3):  # no moment at a free edge: static condensation, one edge after the other
-            free = np.flatnonzero(~self.bends[:, c])
-            row = matrix[free, c]
-            pivot = row[:, c]
-            full = pivot > 1e-12 * np.abs(matrix[free]).max(axis=(1, 2), initial=0.0)
-            share = np.where(full[:, None], row / np.where(full, pivot, 1.0)[:, None], 0.0)
-            matrix[free] -= share[:, :, None] * row[:, None]
-            matrix[free, c], matrix[free, :, c] = 0.0, 0.0
-        condensed: Array = matrix
-        return condensed
+            self._to_curvature = curvature_from_folds(flat, self.area, across)
+            self._bending = fold_stiffness(self._to_curvature, self.area, thickness, E, nu)
+            for edge in range(3):  # no moment at a free edge
+                self._bending = without_fold(self._bending, edge, ~bends[:, edge])[0]
 
     def arrays(self) -> dict[str, Any]:
         names = ("bends", "thickness", "E", "nu", "members")
@@ -298,3 +279,31 @@ class FacetKernel(Kernel):
                 places = self._places[on]
                 hessian[f[on, None, None], places[:, :, None], places[:, None]] += blocks[on]
         return Contribution(energy, gradient, hessian)
+
+
+def curvature_from_folds(flat: Array, area: Array, across: Array) -> Array:
+    """Matrix (n, 3, 3) from the fold angles at the three edges, with the areas `across` (n, 3) beyond them, to the
+    curvature (kxx, kyy, 2 kxy)."""
+    length = np.linalg.norm(flat, axis=2)
+    normal = np.stack([flat[..., 1], -flat[..., 0]], axis=-1) / length[..., None]
+    columns = np.stack([normal[..., 0] ** 2, normal[..., 1] ** 2, 2 * normal[..., 0] * normal[..., 1]], axis=1)
+    return np.asarray(columns * (length / (area[:, None] + across))[:, None])
+
+
+def fold_stiffness(to_curvature: Array, area: Array, thickness: Array, E: Array, nu: Array) -> Array:
+    """Energy matrix (n, 3, 3) of the fold angles: plane stress over the thickness, t^3 / 12 in the place of t."""
+    return membrane_stiffness(to_curvature, area, thickness**3 / 12, E, nu)
+
+
+def without_fold(matrix: Array, c: int, which: NDArray[np.bool_]) -> tuple[Array, Array, Array]:
+    """Energy matrices (n, 3, 3) where edge c of `which` facets carries no moment, so that its angle is eliminated.
+
+    Also what was taken away, as pivots (n,) and rows (n, 3): pivot / 2 times the square of the rows' product with the
+    angles. Both are zero where the edge carries none anyway.
+    """
+    pivot = matrix[:, c, c]
+    there = which & (pivot > 1e-12 * np.abs(matrix).max(axis=(1, 2), initial=0.0))
+    row = np.where(there[:, None], matrix[:, c] / np.where(there, pivot, 1.0)[:, None], 0.0)
+    left = matrix - np.where(there, pivot, 0.0)[:, None, None] * row[:, :, None] * row[:, None]
+    left[which, c] = left[which, :, c] = 0.0
+    return left, np.where(there, pivot, 0.0), row

@@ -45,6 +45,7 @@ class Constraint(ModelObject):
     constant: bool = False
     clamp: bool = False
     leaders: tuple[Node, ...] = ()
+    mirror: str = ""  # the axis across a plane of symmetry
 
     @property
     def values(self) -> Mapping[str, Array]:
@@ -57,13 +58,14 @@ class Constraint(ModelObject):
 
     @classmethod
     def lower(cls, objects: Sequence[Any], numbering: Numbering) -> list[Kernel]:
-        """Only clamped edges make force."""
-        clamped = [item for item in objects if item.clamp]
-        if not clamped or numbering.dim == 2:
+        """Only edges that keep their direction make force: of all constraints together, with the first of them."""
+        everything = [item for group in numbering.objects.values() for item in group if isinstance(item, Constraint)]
+        holding = [item for item in everything if item.clamp or item.mirror]
+        if not holding or not any(item is holding[0] for item in objects):
             return []
-        from kirigami.elements.clamp_hinge import clamp_kernels
+        from kirigami.elements.held_edges import held_edge_kernels
 
-        return clamp_kernels([item.group for item in clamped], numbering)
+        return held_edge_kernels(holding, numbering)
 
     def __repr__(self) -> str:
         return f"{type(self).__name__}({len(self.group)} nodes, {''.join(self._values)})"
@@ -79,12 +81,13 @@ class Fix(Constraint):
     dofs : str
         Axes to hold, letters out of "xyz".
     clamp : bool
-        Boundary edges with both nodes in the set keep their slope as well (models made from a mesh).
+        The sheet keeps its direction there as well (models made from a mesh): at boundary edges with both nodes in
+        the set, and in facets that are wholly in it. Where the edge itself turns, its direction goes along.
 
     Raises
     ------
     ModelError
-        Empty selection or unknown axis.
+        Empty selection or unknown axis; in a run a clamp of nodes that hold no boundary edge and no whole facet.
 
     Examples
     --------
@@ -151,6 +154,45 @@ class Prescribe(Constraint):
             return self
         scaled = {axis: lam * value for axis, value in self._values.items()}
         return Prescribe(self.group, **scaled, clamp=self.clamp, constant=True)
+
+
+class Symmetry(Constraint):
+    """Makes a plane through nodes one of symmetry: beyond it the structure goes on as its mirror image.
+
+    The nodes stay in the plane, and the sheet meets its image there, at any rotation: half a model does what the whole
+    one does, with half of its energy and of the forces on the plane's own nodes. Bars and loads that lie in the plane
+    are shared by both halves: give the half model half of them. The bars of a mesh are halved already.
+
+    Parameters
+    ----------
+    nodes : Node or sequence of Node
+        The nodes in the plane: all those of the sheet's edges that were cut by it.
+    normal : {"x", "y", "z"}
+        The axis across the plane.
+
+    Raises
+    ------
+    ModelError
+        Empty selection or unknown axis; in a run nodes that do not lie in one plane or hold no boundary edge, a sheet
+        that lies in the plane, a model that was not made from a mesh.
+
+    Examples
+    --------
+    >>> import kirigami as kg
+    >>> kg.Symmetry([kg.Node(0, 0), kg.Node(0, 1)], "x")
+    Symmetry(2 nodes, x)
+    """
+
+    __slots__ = ()
+
+    def __init__(self, nodes: Node | Iterable[Node], normal: str = "x") -> None:
+        group = listed(nodes, "Symmetry")
+        if not isinstance(normal, str) or normal not in tuple(AXES):
+            raise ModelError(
+                f"Symmetry: normal must be 'x', 'y' or 'z', got {normal!r}; turn the model so that the plane lies "
+                "across an axis"
+            )
+        super().__init__(group, {normal: np.zeros(len(group))}, constant=True, mirror=normal)
 
 
 class Tie(Constraint):

@@ -29,6 +29,7 @@ KERNELS = {
     "BarKernel": "elements.bar",
     "BendHingeKernel": "elements.bend_hinge",
     "ClampHingeKernel": "elements.clamp_hinge",
+    "HeldEdgeKernel": "elements.clamp_hinge",
     "ContactKernel": "effects.contact",
     "CreaseKernel": "elements.crease",
     "CurvedFacetKernel": "elements.curved_facet",

@@ -104,8 +104,8 @@ def carried_by(nodes: NDArray[np.int64], supports: Iterable[Support], count: int
     leader = np.full((count, 3), -1)
     for support in supports:
         if len(support.leaders):
-            for axis in support.dofs:
-                leader[support.nodes, AXES.index(axis)] = support.leaders
+            for letter in support.dofs:
+                leader[support.nodes, AXES.index(letter)] = support.leaders
     carried = np.zeros((count, 3), dtype=bool)
     carried[nodes] = True
     follower, axis = np.nonzero(leader >= 0)

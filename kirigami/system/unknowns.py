@@ -44,24 +44,22 @@ class Unknowns:
                     leader[at] = leaders * self.dim + AXES.index(axis)
                 else:
                     fixed[at] = True
-            if item.clamp:  # the normals of clamped nodes keep their direction: their tips move along
+            if (item.clamp or item.mirror) and len(numbering.normals[0]):
+                # The normals of clamped nodes keep their direction: their tips move along, in a mirror plane across it.
+                from kirigami.elements.held_edges import held_edges
+
                 base, tip = numbering.normals
-                of_group = np.isin(base, nodes)
-                for axis_number in range(self.dim):
+                of_edges = numbering.mesh.edges[held_edges(numbering.mesh, nodes)]
+                of_group = np.isin(base, of_edges)
+                for axis_number in [AXES.index(item.mirror)] if item.mirror else range(self.dim):
                     leader[tip[of_group] * self.dim + axis_number] = base[of_group] * self.dim + axis_number
             if numbering.edges is not None:
                 from kirigami.system.edges import held_angles, held_middles  # a truss needs no mesh
 
                 still, change = held_middles(numbering.edges, item, nodes, leaders, self.rest)
                 (held if item.constant else drive)[still] = change
-                if item.clamp:
-                    angles = held_angles(numbering.edges, nodes, self.dim)
-                    if not len(angles):
-                        raise ModelError(
-                            f"{item!r} has clamp=True, but its nodes hold no edge on the boundary and no whole facet "
-                            f"(the first is {numbering.describe(int(nodes[0]))}): select both ends of edges to clamp"
-                        )
-                    still = np.concatenate([still, angles])
+                if item.clamp or item.mirror:
+                    still = np.concatenate([still, held_angles(numbering.edges, nodes, self.dim)])
                 owner[still], fixed[still] = position, True
         fixed |= numbering.idle.ravel()
         for _ in range(dofs):
