@@ -113,9 +113,22 @@ class HeldEdgeKernel(Kernel):
         folded = self.fold_weight * (self._folds.deformation(x) - self._folds.rest_angle)
         return np.asarray(np.bincount(self.turn_of, turned, n) + np.bincount(self.fold_of, folded, n), dtype=float)
 
+    def deformation_rate(self, x: Array, change: Array) -> Array:
+        """First-order change of chi (n,) for a displacement change (n_nodes, 3)."""
+        return np.asarray(np.einsum("nka,nka->n", self._slopes(x), np.asarray(change)[self.conn]))
+
     def force(self, deformation: Array) -> Array:
         """Moment of each edge (n,) [force length]."""
         return np.asarray(self.stiffness * deformation)
+
+    def _slopes(self, x: Array) -> Array:
+        """Derivatives (n, nodes, 3) of chi by the positions."""
+        chain = np.zeros((*self.conn.shape, 3))
+        turn = self.turn_weight[:, None, None] * self._turns.first_derivatives(*self._turns.vectors(x))
+        np.add.at(chain, (self.turn_of[:, None], self.turn_at), turn)
+        _, fold = self._folds.first_derivatives(*self._folds.vectors(x))
+        np.add.at(chain, (self.fold_of[:, None], self.fold_at), (self.fold_weight * fold).transpose(2, 1, 0))
+        return chain
 
     def evaluate(self, x: Array, lam: float = 1.0, need: int = 2, tangent: Tangent = EXACT) -> Contribution:
         angle = self.deformation(x)
@@ -123,23 +136,19 @@ class HeldEdgeKernel(Kernel):
         energy = 0.5 * moment * angle
         if need == 0:
             return Contribution(energy)
-        edge, wing = self._turns.vectors(x)
-        vectors = self._folds.vectors(x)
-        wings, fold = self._folds.first_derivatives(*vectors)
-        chain = np.zeros((*self.conn.shape, 3))
-        slopes = self.turn_weight[:, None, None] * self._turns.first_derivatives(edge, wing)
-        np.add.at(chain, (self.turn_of[:, None], self.turn_at), slopes)
-        np.add.at(chain, (self.fold_of[:, None], self.fold_at), (self.fold_weight * fold).transpose(2, 1, 0))
+        chain = self._slopes(x)
         gradient = moment[:, None, None] * chain
         if need == 1:
             return Contribution(energy, gradient)
         hessian = np.einsum("n,npa,nqb->npqab", self.stiffness, chain, chain)
         bent = (1 - tangent.convexity) * moment
-        second = self._turns.second_derivatives(edge, wing)
+        second = self._turns.second_derivatives(*self._turns.vectors(x))
         second *= (self.turn_weight * bent[self.turn_of])[:, None, None, None, None]
         places = self.turn_at[:, :, None], self.turn_at[:, None]
         np.add.at(hessian, (self.turn_of[:, None, None], *places), second)
         if len(self.fold_of):
+            vectors = self._folds.vectors(x)
+            wings, fold = self._folds.first_derivatives(*vectors)
             bending = self.fold_weight * bent[self.fold_of]
             curved = np.empty((3, 3, len(self._folds.pairs), len(bending)))
             self._folds.second_derivatives(curved, np.zeros_like(bending), bending, vectors[0], wings, fold)

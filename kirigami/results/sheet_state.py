@@ -23,6 +23,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kirigami.elements.bar import BarKernel
+from kirigami.elements.clamp_hinge import HeldEdgeKernel
 from kirigami.elements.facet import FacetKernel
 from kirigami.elements.shell_kernel import ShellFacetKernel
 from kirigami.elements.triangle import ENDS, STARTS, edge_vectors, flat_edges, strain_from_edges
@@ -82,11 +83,11 @@ class StateReader:
             for kernel in self.results.kernels:
                 if isinstance(kernel, BarKernel):
                     self._add_bars(state, kernel, step)
-                elif kernel.name in ("hinges", "clamps"):
+                elif kernel.name == "hinges":
                     self._add_hinges(state, kernel, step)
-        elif clamps := [kernel for kernel in self.results.kernels if kernel.name == "clamps"]:
-            for kernel in clamps:
-                self._add_hinges(state, kernel, step)
+        for kernel in self.results.kernels:
+            if isinstance(kernel, HeldEdgeKernel):
+                self._add_held_edges(state, kernel, step)
         return state
 
     # ---- by kind of element
@@ -140,19 +141,31 @@ class StateReader:
             np.add.at(state.membrane_energy, facet, share * energy[chosen])
 
     def _add_hinges(self, state: SheetState, kernel: Kernel, step: Step) -> None:
-        mesh, whole = self.mesh, kernel.conn.shape[1] == 4
+        mesh = self.mesh
         ends = kernel.conn[:, 1:3]
         rows, edges = matched(np.sort(ends, axis=1), np.sort(mesh.edges, axis=1))
-        corners = mesh.nodes[kernel.conn[rows], :2]
-        if not whole:  # a clamp is half a hinge, against the mirror image of its facet
-            corners = np.concatenate([corners, _mirrored(corners)[:, None]], axis=1)
-        rate = fold_curvature_rates(corners) * (1.0 if whole else 0.5)
+        rate = fold_curvature_rates(mesh.nodes[kernel.conn[rows], :2])
         moment = self.results.member_force(kernel, step)[rows]
         energy = self.results.member_energy(kernel, step)[rows]
         tensor = _tensor(rate, half_shear=True) * moment[:, None, None]
         for facet, _, share, chosen in self._sides(edges):
             np.add.at(state.moment, facet, (share / self.area[facet])[:, None, None] * tensor[chosen])
             np.add.at(state.bending_energy, facet, share * energy[chosen])
+
+    def _add_held_edges(self, state: SheetState, kernel: HeldEdgeKernel, step: Step) -> None:
+        mesh = self.mesh
+        facet = placed(np.sort(kernel.conn[:, :3], axis=1), np.sort(mesh.triangles, axis=1))
+        moment, energy = self.results.member_force(kernel, step), self.results.member_energy(kernel, step)
+        turning = mesh.nodes[kernel.conn[kernel.turn_of[:, None], kernel.turn_at], :2]
+        whole = np.concatenate([turning, _mirrored(turning)[:, None]], axis=1)  # the fold against the mirror image
+        folding = mesh.nodes[kernel.conn[kernel.fold_of[:, None], kernel.fold_at], :2]
+        for member, weight, rate in (
+            (kernel.turn_of, 0.5 * kernel.turn_weight, fold_curvature_rates(whole)),
+            (kernel.fold_of, kernel.fold_weight, fold_curvature_rates(folding)),
+        ):
+            work = weight * moment[member] / self.area[facet[member]]
+            np.add.at(state.moment, facet[member], _tensor(rate, half_shear=True) * work[:, None, None])
+        np.add.at(state.bending_energy, facet, energy)
 
     def _sides(self, edges: Index) -> list[tuple[Index, Index, Array, Index]]:
         """For both sides of edges: facet, corner opposite, share in the area there, which of the edges these are."""
