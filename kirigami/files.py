@@ -16,19 +16,9 @@ from pathlib import Path
 from typing import Any
 
 from kirigami.errors import GeometryError, KirigamiError
+from kirigami.primitives.checks import require_path
 
 _counter = itertools.count()
-
-
-def file_path(path: Any) -> Path:
-    """`path` as a Path, or a KirigamiError where it names no file."""
-    try:
-        named = Path(path)
-    except TypeError:
-        named = None
-    if named is None or "\0" in str(named) or not str(path):
-        raise KirigamiError(f"{path!r} is no name of a file")
-    return named
 
 
 @contextmanager
@@ -64,7 +54,7 @@ def whole_file(path: str | os.PathLike[str]) -> Iterator[Path]:
     >>> [entry.name for entry in folder.iterdir()]
     ['curve.csv']
     """
-    target = file_path(path)
+    target = require_path(path, "path", "a file", KirigamiError)
     unfinished: Path | None = None
     try:
         through = _written_through(target)

@@ -6,6 +6,7 @@ import math
 import re
 
 from kirigami.errors import ModelError
+from kirigami.primitives.checks import require_choice, require_finite, require_not_negative
 
 METRES = {
     "m": 1.0, "km": 1e3, "dm": 0.1, "cm": 1e-2, "mm": 1e-3, "um": 1e-6, "µm": 1e-6, "nm": 1e-9,
@@ -41,9 +42,7 @@ def metres_per(unit: str) -> float:
     >>> metres_per("mm")
     0.001
     """
-    if unit not in METRES:
-        raise ModelError(f"unit of length {unit!r} is unknown: use one of {', '.join(METRES)}")
-    return METRES[unit]
+    return METRES[require_choice(unit, METRES, "unit of length", "units")]
 
 
 def parse(text: str | float, kind: str) -> float:
@@ -66,8 +65,10 @@ def parse(text: str | float, kind: str) -> float:
     >>> parse("0.1mm", "length"), parse("3.5 GPa", "stress"), parse("20%", "ratio")
     (0.0001, 3500000000.0, 0.2)
     """
-    known = UNITS[kind]
-    match = _QUANTITY.fullmatch(str(text))
+    known = UNITS[require_choice(kind, UNITS, "kind", "units.parse")]
+    if not isinstance(text, str):
+        text = repr(require_finite(text, f"a {kind}", "units.parse"))
+    match = _QUANTITY.fullmatch(text)
     if not match:
         raise ModelError(f"{text!r} is no {kind}: write a number and a unit, such as {_example(kind)}")
     number, unit = float(match[1]), match[2].replace("^", "").replace("²", "2").replace("³", "3")
@@ -105,6 +106,8 @@ def show(value: float, kind: str) -> str:
     >>> show(1e-4, "length"), show(3.5e9, "stress"), show(0.2, "ratio")
     ('0.1 mm', '3.5 GPa', '20 %')
     """
+    require_choice(kind, UNITS, "kind", "units.show")
+    value = require_finite(value, "value", "units.show")
     if kind == "ratio":
         return f"{100 * value:.6g} %"
     if kind == "density":
@@ -136,9 +139,12 @@ def doubts(*, thickness: float, size: float, E: float, strain: float) -> list[st
     >>> doubts(thickness=0.1, size=0.2, E=3.5e9, strain=20)
     ['the thickness 100 mm is 50 % of the size 200 mm: not a thin sheet', 'a strain of 2000 %: was 20 % meant?']
     """
+    thickness = require_not_negative(thickness, "thickness", "units.doubts")
+    size = require_not_negative(size, "size", "units.doubts")
+    E, strain = require_finite(E, "E", "units.doubts"), require_finite(strain, "strain", "units.doubts")
     found = []
     if thickness > 0.1 * size:
-        share = show(thickness / size, "ratio")
+        share = show(thickness / size, "ratio") if size else "more than all"
         found.append(f"the thickness {show(thickness, 'length')} is {share} of the size {show(size, 'length')}: "
                      "not a thin sheet")  # fmt: skip
     if thickness < 1e-6 * size:

@@ -14,7 +14,8 @@ import kirigami
 
 FLOORS = [
     {"errors", "progress", "version", "moved"},
-    {"primitives", "files", "units"},
+    {"primitives"},
+    {"files", "units"},
     {"linalg", "sweep", "deferred"},
     {"geometry"},
     {"elements", "post", "drawing"},

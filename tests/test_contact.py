@@ -291,7 +291,7 @@ def test_what_cannot_be_is_refused() -> None:
         (lambda: Cylinder((0, 0, 0), (0, 0, 0), 1), "axis must not be zero"),
         (lambda: Sphere((0, 0, 0), -1), "radius must be positive"),
         (lambda: Contact([], Plane()), "empty"),
-        (lambda: Contact(node, "floor"), "must be a Plane, Cylinder or Sphere"),
+        (lambda: Contact(node, "floor"), "must be a Plane or a Cylinder or a Sphere"),
         (lambda: Contact(node, Plane(), offset=-1), "must not be negative"),
         (lambda: Contact(node, Plane(), stiffness=0), "positive"),
         (lambda: Contact(node, Plane(), layer=np.inf), "finite"),

@@ -45,7 +45,7 @@ def test_parameters_do_not_follow_one_another() -> None:
         (({"a": (0.0, float("inf"))}, 3, 0), "finite"),
         (({"a": 3.0}, 3, 0), r"\(low, high\)"),
         (({"a": (0, 1, 2)}, 3, 0), r"\(low, high\)"),
-        (({1: (0, 1)}, 3, 0), "named by words"),
+        (({1: (0, 1)}, 3, 0), "map names to values"),
         (({"a": (0, 1)}, 0, 0), "n must be a whole number"),
         (({"a": (0, 1)}, 2.5, 0), "n must be a whole number"),
         (({"a": (0, 1)}, 3, -1), "seed must be a whole number"),

@@ -229,7 +229,7 @@ def test_pictures_of_measures_show_what_they_are_given() -> None:
     assert ax.get_legend().get_texts()[0].get_text() == "strip"
     shares = kg.plot.plot_energy_shares(res)
     assert [text.get_text() for text in shares.get_legend().get_texts()] == ["bars"]
-    with pytest.raises(kg.ModelError, match="one value for each"):
+    with pytest.raises(kg.ModelError, match="values must be numbers of shape"):
         kg.plot.plot_measure(res, [1.0, 2.0, 3.0])
 
 

@@ -174,7 +174,7 @@ def test_arguments_that_cannot_be_used() -> None:
         kg.study.imperfections(m, modes=[np.zeros(36)])
     with pytest.raises(kg.ModelError, match="mirrors"):
         kg.study.imperfections(m, modes=1, mirrors="r")
-    with pytest.raises(kg.ModelError, match="positive number"):
+    with pytest.raises(kg.ModelError, match="at least 1"):
         kg.study.seeds(m, 0)
 
 

@@ -361,12 +361,12 @@ def test_wrong_calls(tmp_path: Path) -> None:
         kg.Sweep("line", [{"x": 1.0}], tmp_path / "w")  # type: ignore[arg-type]
     with pytest.raises(kg.ModelError, match="seed"):
         kg.Sweep(line, [{"x": 1.0}], tmp_path / "w", seed=-1)
-    with pytest.raises(kg.ModelError, match="name of a file"):
+    with pytest.raises(kg.ModelError, match="the name of a file"):
         kg.Sweep(line, [{"x": 1.0}], "")
     sweep = kg.Sweep(line, [{"x": 1.0}], tmp_path / "w")
     with pytest.raises(kg.ModelError, match="workers"):
         sweep.run(workers=0)
-    with pytest.raises(kg.ModelError, match="neither a concurrent.futures.Executor nor a Dask client"):
+    with pytest.raises(kg.ModelError, match="must be a concurrent.futures.Executor or a Dask client"):
         sweep.run("local")
     with pytest.raises(kg.ModelError, match="cannot be sent to other processes"):
         kg.Sweep(lambda x: x, [{"x": 1.0}], tmp_path / "v").run()

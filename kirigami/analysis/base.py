@@ -10,6 +10,7 @@ import numpy as np
 from kirigami.errors import ConvergenceError, ModelError
 from kirigami.linalg import Factor, SingularMatrixError, make_solver
 from kirigami.model.model import Model
+from kirigami.primitives.checks import require_instance
 from kirigami.primitives.kernel import Array
 from kirigami.results.results import Results
 from kirigami.results.step import Step
@@ -25,9 +26,7 @@ class Analysis:
     """
 
     def __init__(self, model: Model) -> None:
-        if not isinstance(model, Model):
-            raise ModelError(f"{type(self).__name__} needs a Model, got {model!r}")
-        self.model = model
+        self.model = require_instance(model, Model, "model", type(self).__name__)
         self.results: Results | None = None
 
 

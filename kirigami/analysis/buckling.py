@@ -11,6 +11,7 @@ from kirigami.analysis.modes import Modes, nodal_shape
 from kirigami.errors import AnalysisError, ModelError
 from kirigami.linalg import SingularMatrixError, critical_factors
 from kirigami.model.model import Model
+from kirigami.primitives.checks import require_whole
 from kirigami.primitives.kernel import Array, Tangent
 from kirigami.system.system import System
 
@@ -56,9 +57,7 @@ class Buckling(Analysis):
 
     def __init__(self, model: Model, n: int = 4) -> None:
         super().__init__(model)
-        if not isinstance(n, (int, np.integer)) or n < 1:
-            raise ModelError(f"Buckling: n must be a positive number of modes, got {n!r}")
-        self.n = int(n)
+        self.n = require_whole(n, "n", "Buckling", least=1)
 
     def run(self) -> Modes:
         """Find the lowest positive buckling load factors and their shapes; fewer than `n` where there are no more."""

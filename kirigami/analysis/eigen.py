@@ -10,9 +10,12 @@ from kirigami.analysis.modes import Modes, nodal_shape
 from kirigami.errors import ModelError
 from kirigami.linalg import lowest_eigenpairs
 from kirigami.model.model import Model
+from kirigami.primitives.checks import require_array, require_choice, require_instance, require_whole
 from kirigami.primitives.kernel import Array
 from kirigami.results.step import Step
 from kirigami.system.supports import rigid_unknowns
+
+MASSES = ("unit", "lumped")
 
 
 class Eigen(Analysis):
@@ -49,13 +52,14 @@ class Eigen(Analysis):
     [0.0, 0.0, 0.0, 2.0]
     """
 
-    def __init__(
-        self, model: Model, n: int = 6, about: Step | None = None, mass: str | ArrayLike = "unit"
-    ) -> None:
+    def __init__(self, model: Model, n: int = 6, about: Step | None = None, mass: str | ArrayLike = "unit") -> None:
         super().__init__(model)
-        if not isinstance(n, (int, np.integer)) or n < 1:
-            raise ModelError(f"Eigen: n must be a positive number of modes, got {n!r}")
-        self.n, self.about, self.mass = int(n), about, mass
+        self.n = require_whole(n, "n", "Eigen", least=1)
+        self.about = None if about is None else require_instance(about, Step, "about", "Eigen", "such as results[-1]")
+        if isinstance(mass, str):
+            self.mass: str | Array = require_choice(mass, MASSES, "mass", "Eigen", or_else="one value per node")
+        else:
+            self.mass = require_array(mass, (None,), name="mass", owner="Eigen")
 
     def run(self) -> Modes:
         """Compute the modes."""
@@ -88,14 +92,12 @@ class Eigen(Analysis):
                 mass = np.ones(n)
                 mass[self.model.normals[1]] = 0.0  # tips of normals are no points of the structure
                 return mass
-            if self.mass != "lumped":
-                raise ModelError(f"Eigen: mass {self.mass!r} is unknown: use 'unit', 'lumped' or one value per node")
             constants, mesh = self.model.sheet_constants, self.model.mesh
             if constants is None or mesh is None or constants.material.density is None:
                 raise ModelError("Eigen: mass='lumped' needs a model from a mesh whose material has a density")
             facet = constants.material.density * constants.thickness * mesh.facet_areas / 3
             return np.asarray(np.bincount(mesh.triangles.ravel(), np.repeat(facet, 3), n), dtype=float)
-        given = np.asarray(self.mass, dtype=float)
+        given = self.mass
         if given.shape != (n,) or not np.isfinite(given).all() or np.any(given <= 0):
             raise ModelError(f"Eigen: mass must be one positive number for each of the {n} nodes")
         return given

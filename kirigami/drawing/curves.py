@@ -67,6 +67,9 @@ def counted(number: int, what: str) -> str:
 
 def scale_of(unit: str, drawn_in: str | None, stated: str | None, notes: list[str]) -> tuple[float, str]:
     """Factor from drawn numbers to the wanted unit, and the unit of the result; says what it assumes."""
+    metres_per(unit)  # refused here, whether it is used or not
+    if drawn_in is not None:
+        metres_per(drawn_in)
     if drawn_in is None and stated is None:
         warnings.warn(
             f"the drawing names no unit: its numbers are taken as {unit}; "

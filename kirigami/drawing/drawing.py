@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import warnings
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import suppress
@@ -11,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import shapely
+from shapely.geometry.base import BaseGeometry
 
 from kirigami.drawing.curves import Curve, Floats, counted, lines_of
 from kirigami.drawing.gaps import short_of
@@ -20,6 +20,7 @@ from kirigami.drawing.rim import Rim, crossing_text, find_rim, left_out_text
 from kirigami.drawing.roles import Roles, Row, listing, table_lines, table_of
 from kirigami.drawing.trimming import Trimmed, trimmed, without_effect, without_scrap
 from kirigami.errors import GeometryError, KirigamiWarning, ModelError
+from kirigami.primitives.checks import require_finite, require_items, require_whole, shown
 from kirigami.units import metres_per, parse
 
 if TYPE_CHECKING:
@@ -118,6 +119,8 @@ def assemble(
         Nothing drawn, no closed outline, several outlines or parts, a curve that crosses itself, a tolerance that is
         no share between 0 and 1 nor a length.
     """
+    if part is not None:
+        part = require_whole(part, "part", "reading a drawing", 1, GeometryError)
     said = list(notes)
     roles_of = roles.of(curves)
     sorted_ones = [replace(curve, role=roles_of[k], numbers=(k,)) for k, curve in enumerate(curves)]
@@ -187,15 +190,15 @@ def assemble(
 
 def _gap(tolerance: float | str, size: float, unit: str) -> float:
     """The length within which ends are joined."""
-    wrong = f"tolerance must be a share of the size between 0 and 1, or a length such as 0.1mm, not {tolerance!r}"
+    wrong = f"tolerance must be a share of the size between 0 and 1, or a length such as 0.1mm, not {shown(tolerance)}"
     if isinstance(tolerance, str):
         try:
             share = parse(tolerance, "length") / metres_per(unit) / size
         except ModelError:
             raise GeometryError(wrong) from None
     else:
-        share = float(tolerance)
-    if not (math.isfinite(share) and 0 < share < 1):
+        share = require_finite(tolerance, "tolerance", "reading a drawing", GeometryError)
+    if not 0 < share < 1:
         raise GeometryError(wrong)
     return share * size
 
@@ -301,12 +304,24 @@ def _doubt_size(outline: Any, unit: str, said: list[str]) -> None:
         )
 
 
+def folds_of(sheet: Any, more: Iterable[Any]) -> list[Any]:
+    """The folds of a sheet or drawing, and more of them, all of them lines."""
+    if not hasattr(sheet, "outline") or not hasattr(sheet, "cuts"):
+        raise GeometryError(f"writing a drawing: it must be a Sheet or a Drawing, got {shown(sheet)}")
+    folds = [*getattr(sheet, "folds", ()), *require_items(more, "folds", "writing a drawing", GeometryError)]
+    for fold in folds:
+        if not isinstance(fold, BaseGeometry):
+            raise GeometryError(f"writing a drawing: folds must be lines of shapely, got {shown(fold)}")
+    return folds
+
+
 def layered(sheet: Any, folds: Iterable[Any] = ()) -> Iterator[tuple[str, Floats, bool]]:
     """Layer, points (closed curves without the repeated point) and closedness of every line of a sheet."""
+    extra = folds_of(sheet, folds)
     rings = [sheet.outline.exterior, *sheet.outline.interiors]
     lines = [("OUTLINE", ring) for ring in rings]
     lines += [("CUTS", line) for cut in sheet.cuts for line in _lines_of(cut)]
-    lines += [("FOLDS", line) for fold in [*getattr(sheet, "folds", ()), *folds] for line in _lines_of(fold)]
+    lines += [("FOLDS", line) for fold in extra for line in _lines_of(fold)]
     for layer, line in lines:
         points = shapely.get_coordinates(line)
         closed = len(points) > 3 and bool((points[0] == points[-1]).all())

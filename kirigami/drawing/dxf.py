@@ -15,6 +15,7 @@ from kirigami.drawing.dxf_entities import Reader, source_of
 from kirigami.drawing.roles import Names, Roles
 from kirigami.errors import GeometryError
 from kirigami.files import library, whole_file
+from kirigami.primitives.checks import require_between, require_choice, require_path
 from kirigami.units import metres_per
 
 INSUNITS = {1: "in", 2: "ft", 4: "mm", 5: "cm", 6: "m", 7: "km", 9: "mil", 12: "nm", 13: "um", 14: "dm"}
@@ -87,10 +88,12 @@ def read_dxf(
     >>> drawing.outline.bounds, len(drawing.cuts)
     ((0.0, 0.0, 0.2, 0.1), 1)
     """
-    document = _document(Path(path))
-    notes = [f"{Path(path).name}: DXF {document.acad_release}"]
+    path = require_path(path, "path", "read_dxf", GeometryError)
+    flatness = require_between(flatness, 1e-9, 1.0, "flatness", "read_dxf", GeometryError)
+    document = _document(path)
+    notes = [f"{path.name}: DXF {document.acad_release}"]
     # ezdxf fills in metres where a file says nothing, so that the file itself must be asked.
-    says_unit = b"$INSUNITS" in Path(path).read_bytes()
+    says_unit = b"$INSUNITS" in path.read_bytes()
     stated = INSUNITS.get(document.header.get("$INSUNITS", 0)) if says_unit else None
     factor, unit = scale_of(unit, drawn_in, stated, notes)
     roles = Roles(outline, cuts, folds, ignore)
@@ -284,8 +287,7 @@ def write_dxf(
     """
     ezdxf = library("ezdxf", "reading and writing DXF drawings")
     codes = {name: code for code, name in INSUNITS.items()}
-    if drawn_in not in codes:
-        raise GeometryError(f"DXF files know no unit {drawn_in!r}: use one of {', '.join(codes)}")
+    require_choice(drawn_in, codes, "drawn_in", "to_dxf", GeometryError)
     ratio = metres_per(unit) / metres_per(drawn_in)
     factor = float(round(ratio)) if abs(ratio - round(ratio)) < 1e-12 * ratio else ratio
     document = ezdxf.new("R2010", units=codes[drawn_in])
@@ -294,6 +296,7 @@ def write_dxf(
         document.layers.add(layer, color=color)
     for layer, points, closed in layered(sheet, folds):
         space.add_lwpolyline(scaled(points, factor).tolist(), close=closed, dxfattribs={"layer": layer})
-    with whole_file(path) as unfinished:
+    target = require_path(path, "path", "to_dxf", GeometryError)
+    with whole_file(target) as unfinished:
         document.saveas(unfinished)
-    return Path(path)
+    return target

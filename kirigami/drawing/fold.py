@@ -22,6 +22,8 @@ from kirigami.errors import GeometryError
 from kirigami.files import read_json, whole_file
 from kirigami.geometry.folds import fold_angles
 from kirigami.geometry.mesh import TriMesh
+from kirigami.primitives.checks import require_array, require_path
+from kirigami.units import metres_per
 
 ROLES = {"B": "outline", "C": "cut", "M": "mountain fold", "V": "valley fold", "U": "fold"}  # F, J: no line to act on
 LETTERS = {"OUTLINE": "B", "CUTS": "C", "FOLDS": "U"}
@@ -77,7 +79,7 @@ def read_fold(
     >>> drawing.outline.area, drawing.cuts[0].length
     (2.0, 1.0)
     """
-    path = Path(path)
+    path = require_path(path, "path", "read_fold", GeometryError)
     data = read_json(path, "FOLD")
     if not isinstance(data, dict):
         raise GeometryError(f"{path} is no FOLD file: it has no vertices_coords and edges_vertices")
@@ -148,16 +150,23 @@ def write_fold(
     >>> json.loads(file.read_text())["edges_assignment"]
     ['B', 'F', 'B', 'B', 'B']
     """
+    if not isinstance(unit, str) or unit not in UNITS:
+        metres_per(unit)
     if isinstance(item, TriMesh):
-        frame = _facets(item, item.nodes if positions is None else np.asarray(positions, dtype=float))
+        shape = item.nodes.shape
+        here = item.nodes if positions is None else require_array(positions, shape, name="positions", owner="to_fold")
+        frame = _facets(item, here)
+    elif positions is not None:
+        raise GeometryError("to_fold: positions are those of a mesh, and this is a sheet")
     else:
         frame = _pattern(item, folds)
     head: dict[str, Any] = {"file_spec": 1.2, "file_creator": "kirigami", "frame_classes": [frame.pop("class")]}
     if unit in UNITS:
         head["frame_unit"] = unit
-    with whole_file(path) as unfinished:
+    target = require_path(path, "path", "to_fold", GeometryError)
+    with whole_file(target) as unfinished:
         unfinished.write_text(json.dumps(head | frame))
-    return Path(path)
+    return target
 
 
 def _pattern(sheet: Any, folds: Iterable[Any]) -> dict[str, Any]:

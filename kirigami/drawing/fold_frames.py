@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from kirigami.drawing.curves import Floats
 from kirigami.errors import GeometryError
+from kirigami.primitives.checks import require_whole
 
 Integers = NDArray[np.int64]
 
@@ -43,7 +44,7 @@ def frame_of(data: dict[str, Any], wanted: int | None, path: Any) -> tuple[int, 
     able = [n for n, frame in whole.items() if frame.get("vertices_coords") and any(frame.get(key) for key in
             ("edges_vertices", "faces_vertices", "vertices_vertices"))]  # fmt: skip
     if wanted is not None:
-        if wanted not in able:
+        if require_whole(wanted, "frame", "read_fold", None, GeometryError) not in able:
             raise GeometryError(f"{path} has no frame {wanted} with vertices_coords and edges_vertices; it has {able}")
         return wanted, whole[wanted]
     if not able:

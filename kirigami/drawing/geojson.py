@@ -13,10 +13,12 @@ import shapely
 from shapely.geometry import mapping, shape
 
 from kirigami.drawing.curves import Curve, scale_of, scaled
-from kirigami.drawing.drawing import Drawing, assemble
+from kirigami.drawing.drawing import Drawing, assemble, folds_of
 from kirigami.drawing.roles import Names, Roles, color_name
 from kirigami.errors import GeometryError
 from kirigami.files import read_json, whole_file
+from kirigami.primitives.checks import require_path
+from kirigami.units import metres_per
 
 ROLE_KEYS = ("role", "layer", "Layer", "name")  # the property of a feature that names its layer, first match
 
@@ -66,7 +68,7 @@ def read_geojson(
     >>> read_geojson(write_geojson(plate, Path(tempfile.mkdtemp()) / "plate.geojson")).outline.area
     2.0
     """
-    path = Path(path)
+    path = require_path(path, "path", "read_geojson", GeometryError)
     data = read_json(path, "GeoJSON")
     kind = data.get("type") if isinstance(data, dict) else None
     if kind == "FeatureCollection" and isinstance(data.get("features"), list):
@@ -115,9 +117,7 @@ def _lines(geometry: Any, source: str) -> Iterator[Any]:
         raise GeometryError(f"{source}: a {geometry.geom_type} is neither outline nor cut nor fold")
 
 
-def write_geojson(
-    sheet: Any, path: str | os.PathLike[str], *, unit: str = "m", folds: Iterable[Any] = ()
-) -> Path:
+def write_geojson(sheet: Any, path: str | os.PathLike[str], *, unit: str = "m", folds: Iterable[Any] = ()) -> Path:
     """Write outline, cuts and folds as features with the property "role"; coordinates as they are.
 
     Parameters
@@ -143,10 +143,13 @@ def write_geojson(
     >>> write_geojson(plate, Path(tempfile.mkdtemp()) / "plate.geojson").name
     'plate.geojson'
     """
+    metres_per(unit)
+    extra = folds_of(sheet, folds)
     parts = [("outline", sheet.outline)]
     parts += [("cut", cut) for cut in sheet.cuts]
-    parts += [("fold", fold) for fold in [*getattr(sheet, "folds", ()), *folds]]
+    parts += [("fold", fold) for fold in extra]
     features = [{"type": "Feature", "properties": {"role": role}, "geometry": mapping(part)} for role, part in parts]
-    with whole_file(path) as unfinished:
+    target = require_path(path, "path", "to_geojson", GeometryError)
+    with whole_file(target) as unfinished:
         unfinished.write_text(json.dumps({"type": "FeatureCollection", "unit": unit, "features": features}, indent=1))
-    return Path(path)
+    return target

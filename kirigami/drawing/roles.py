@@ -9,6 +9,7 @@ from dataclasses import dataclass
 
 from kirigami.drawing.curves import Curve, counted
 from kirigami.errors import GeometryError
+from kirigami.primitives.checks import require_items, require_text
 
 Names = str | Iterable[str] | None
 
@@ -139,7 +140,10 @@ def proposal(curves: Sequence[Curve], option: str) -> str:
 
 def listed(names: Names) -> list[str]:
     """One name, several or none as a list."""
-    return [names] if isinstance(names, str) else list(names or ())
+    if names is None or isinstance(names, str):
+        return [] if names is None else [names]
+    wanted = require_items(names, "names of layers", "reading a drawing", GeometryError)
+    return [require_text(name, "names of layers", "reading a drawing", GeometryError) for name in wanted]
 
 
 def color_name(color: str) -> str:

@@ -23,6 +23,7 @@ from kirigami.drawing.roles import Names, Roles, role_of_name
 from kirigami.drawing.svg_paint import Canvas, clip_name, clip_shape, clipped, is_transparent, line_type
 from kirigami.errors import GeometryError, KirigamiWarning
 from kirigami.files import library, whole_file
+from kirigami.primitives.checks import require_between, require_choice, require_path
 from kirigami.units import METRES, metres_per
 
 LABEL = "{http://www.inkscape.org/namespaces/inkscape}label"
@@ -95,7 +96,8 @@ def read_svg(
     (True, 1)
     """
     elements = library("svgelements", "reading SVG drawings")
-    path = Path(path)
+    path = require_path(path, "path", "read_svg", GeometryError)
+    flatness = require_between(flatness, 1e-9, 1.0, "flatness", "read_svg", GeometryError)
     root, header = _tree(path)
     notes = [f"{path.name}: SVG"]
     to_drawing = _user_space(root, header, drawn_in, unit, notes)
@@ -133,9 +135,7 @@ def read_svg(
         notes.append(f"{counted(cut_off, 'curve')} cut off at a clip path")
     if not curves:
         raise GeometryError(f"{path} holds no curves with a length")
-    return assemble(
-        curves, roles, unit=unit, tolerance=tolerance, notes=notes, shown=to_drawing.shown, part=part
-    )
+    return assemble(curves, roles, unit=unit, tolerance=tolerance, notes=notes, shown=to_drawing.shown, part=part)
 
 
 def _tree(path: Path) -> tuple[Any, str]:
@@ -219,7 +219,9 @@ def _user_space(root: Any, header: str, drawn_in: str | None, unit: str, notes: 
         found = [(size[0] / extent, size[1]) for size, extent in zip(sizes, view[2:]) if size]
         scales = [(scale / per_inch, "") if name in ("", "px") else (scale, name) for scale, name in found]
     physical = any(name for _, name in scales)
+    metres_per(unit)
     if drawn_in is not None:
+        metres_per(drawn_in)
         per_unit, source = 1.0, drawn_in
         notes.append(f"one user unit is 1 {drawn_in}, as said")
     elif physical:
@@ -428,8 +430,7 @@ def write_svg(
     >>> write_svg(plate, Path(tempfile.mkdtemp()) / "plate.svg").read_text().count("<path")
     1
     """
-    if drawn_in not in ("mm", "cm", "in"):
-        raise GeometryError(f"SVG files know no unit {drawn_in!r}: use mm, cm or in")
+    require_choice(drawn_in, ("mm", "cm", "in"), "drawn_in", "to_svg", GeometryError)
     ratio = metres_per(unit) / metres_per(drawn_in)
     factor = float(round(ratio)) if abs(ratio - round(ratio)) < 1e-12 * ratio else ratio
     left, bottom, right, top = (value * factor for value in shapely.bounds(sheet.outline).tolist())
@@ -451,6 +452,7 @@ def write_svg(
         lines.append(f'  <g id="{layer}" inkscape:groupmode="layer" inkscape:label="{layer}" {stroke}>')
         lines += [*paths, "  </g>"]
     text = "\n".join([*lines, "</svg>", ""])
-    with whole_file(path) as unfinished:
+    target = require_path(path, "path", "to_svg", GeometryError)
+    with whole_file(target) as unfinished:
         unfinished.write_text(text, encoding="utf-8")
-    return Path(path)
+    return target

@@ -23,7 +23,7 @@ from kirigami.elements.torsion_spring import TorsionSpring3, TorsionSpring3Kerne
 from kirigami.errors import ModelError
 from kirigami.primitives.checks import require_finite, require_positive
 from kirigami.primitives.kernel import EXACT, Array, Contribution, Kernel, Tangent
-from kirigami.primitives.node import Node
+from kirigami.primitives.node import Node, require_nodes
 from kirigami.primitives.parts import ModelObject, Numbering
 
 TOUCHING = 1e-9  # an angle at its limit up to rounding [rad]
@@ -83,6 +83,7 @@ class AngleLimit(ModelObject):
         maximum: float | None = None,
         width: float = 0.02,
     ) -> None:
+        require_nodes("AngleLimit", i=i, j=j, k=k)
         put = object.__setattr__
         put(self, "i", i)
         put(self, "j", j)

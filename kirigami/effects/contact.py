@@ -32,7 +32,12 @@ from numpy.typing import ArrayLike, NDArray
 
 from kirigami.errors import ModelError
 from kirigami.moved import forward
-from kirigami.primitives.checks import require_finite, require_positive
+from kirigami.primitives.checks import (
+    require_array,
+    require_instance,
+    require_not_negative,
+    require_positive,
+)
 from kirigami.primitives.kernel import EXACT, Array, Contribution, Kernel, Tangent
 from kirigami.primitives.node import Node, listed
 from kirigami.primitives.parts import ModelObject, Numbering
@@ -43,9 +48,7 @@ TOUCHING = 1e-9  # of the size of the model: distance at rest that counts as zer
 
 
 def _vector(value: ArrayLike, name: str, owner: str) -> tuple[float, float, float]:
-    vector = np.asarray(value, dtype=float)
-    if vector.shape not in ((2,), (3,)) or not np.isfinite(vector).all():
-        raise ModelError(f"{owner}: {name} must be two or three finite numbers, got {value!r}")
+    vector = require_array(value, (2,), (3,), name=name, owner=owner)
     x, y, z = np.append(vector, 0.0)[:3].tolist()
     return x, y, z
 
@@ -214,12 +217,8 @@ class Contact(ModelObject):
     ) -> None:
         put = object.__setattr__
         put(self, "group", listed(nodes, "Contact"))
-        if not isinstance(surface, (Plane, Cylinder, Sphere)):
-            raise ModelError(f"Contact: the surface must be a Plane, Cylinder or Sphere, got {surface!r}")
-        put(self, "surface", surface)
-        put(self, "offset", require_finite(offset, "offset", "Contact"))
-        if self.offset < 0:
-            raise ModelError(f"Contact: offset must not be negative, got {self.offset}")
+        put(self, "surface", require_instance(surface, (Plane, Cylinder, Sphere), "surface", "Contact"))
+        put(self, "offset", require_not_negative(offset, "offset", "Contact"))
         put(self, "stiffness", None if stiffness is None else require_positive(stiffness, "stiffness", "Contact"))
         put(self, "layer", None if layer is None else require_positive(layer, "layer", "Contact"))
 

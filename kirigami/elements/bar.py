@@ -23,9 +23,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kirigami.errors import ModelError
-from kirigami.primitives.checks import require_positive
+from kirigami.primitives.checks import require_choice, require_positive
 from kirigami.primitives.kernel import EXACT, Array, CompiledKernel, Contribution, Kernel, Tangent, displacement_of
-from kirigami.primitives.node import Node
+from kirigami.primitives.node import Node, require_nodes
 from kirigami.primitives.parts import ModelObject, Numbering
 
 STRAINS = ("green", "engineering")
@@ -80,19 +80,16 @@ class Bar(ModelObject):
         strain: str = "green",
         law: str = "linear",
     ) -> None:
+        require_nodes("Bar", i=i, j=j)
         put = object.__setattr__
         put(self, "i", i)
         put(self, "j", j)
         put(self, "EA", require_positive(EA, "EA", "Bar"))
         put(self, "rest_length", None if rest_length is None else require_positive(rest_length, "rest_length", "Bar"))
-        put(self, "strain", strain)
-        put(self, "law", law)
+        put(self, "strain", require_choice(strain, STRAINS, "strain", "Bar"))
+        put(self, "law", require_choice(law, LAWS, "law", "Bar"))
         if i is j:
             raise ModelError(f"Bar from {i!r} to itself: a bar needs two different nodes")
-        if strain not in STRAINS:
-            raise ModelError(f"Bar strain {strain!r} is unknown: use one of {STRAINS}")
-        if law not in LAWS:
-            raise ModelError(f"Bar law {law!r} is unknown: use one of {LAWS}")
         if law == "ogden" and strain != "green":
             raise ModelError("the ogden law of a Bar is written in Green strain: use strain='green' with it")
 
@@ -121,9 +118,7 @@ class Bar(ModelObject):
             groups.setdefault((bar.strain, bar.law), []).append(position)
         for (strain, law), positions in sorted(groups.items()):
             members = np.array(positions)
-            kernels.append(
-                BarKernel(numbering.rest, conn[members], EA[members], length[members], strain, law, members)
-            )
+            kernels.append(BarKernel(numbering.rest, conn[members], EA[members], length[members], strain, law, members))
         return kernels
 
 

@@ -32,7 +32,7 @@ from kirigami.elements.angle import AngleKernel
 from kirigami.errors import ModelError
 from kirigami.primitives.checks import require_finite, require_positive
 from kirigami.primitives.kernel import EXACT, Array, CompiledKernel, Contribution, Kernel, Tangent, displacement_of
-from kirigami.primitives.node import Node
+from kirigami.primitives.node import Node, require_nodes
 from kirigami.primitives.parts import ModelObject, Numbering
 
 COLLINEAR = 1e-10  # a wing lower than this fraction of its edge has no direction
@@ -77,15 +77,14 @@ class BendHinge(ModelObject):
     def __init__(
         self, i: Node, j: Node, k: Node, l: Node, stiffness: float, *, rest_angle: float | None = None
     ) -> None:
+        require_nodes("BendHinge", i=i, j=j, k=k, l=l)
         put = object.__setattr__
         put(self, "i", i)
         put(self, "j", j)
         put(self, "k", k)
         put(self, "l", l)
         put(self, "stiffness", require_positive(stiffness, "stiffness", "BendHinge"))
-        put(
-            self, "rest_angle", None if rest_angle is None else require_finite(rest_angle, "rest_angle", "BendHinge")
-        )
+        put(self, "rest_angle", None if rest_angle is None else require_finite(rest_angle, "rest_angle", "BendHinge"))
         if len({id(i), id(j), id(k), id(l)}) < 4:
             raise ModelError(f"BendHinge on ({i!r}, {j!r}, {k!r}, {l!r}): the four nodes must differ")
 

@@ -34,10 +34,10 @@ from kirigami.elements.triangle import (
     without_compression,
 )
 from kirigami.errors import ModelError
-from kirigami.primitives.checks import require_positive
+from kirigami.primitives.checks import require_instance, require_items, require_positive
 from kirigami.primitives.kernel import EXACT, Array, Contribution, Kernel, Tangent, displacement_of, full_hessian
 from kirigami.primitives.material import Material
-from kirigami.primitives.node import Node
+from kirigami.primitives.node import Node, require_nodes
 from kirigami.primitives.parts import ModelObject, Numbering
 
 
@@ -84,10 +84,15 @@ class Facet(ModelObject):
     neighbours: tuple[Node | None, Node | None, Node | None] = (None, None, None)
 
     def __post_init__(self) -> None:
+        require_nodes("Facet", i=self.i, j=self.j, k=self.k)
+        require_instance(self.material, Material, "material", "Facet")
         corners = (self.i, self.j, self.k)
+        neighbours = tuple(require_items(self.neighbours, "neighbours", "Facet"))
+        object.__setattr__(self, "neighbours", neighbours)
+        require_nodes("Facet", **{f"neighbour {c}": node for c, node in enumerate(neighbours) if node is not None})
         if len({id(corner) for corner in corners}) < 3:
             raise ModelError(f"Facet on {corners}: the three corners must differ")
-        if len(self.neighbours) != 3 or any(node is corner for node in self.neighbours for corner in corners):
+        if len(neighbours) != 3 or any(node is corner for node in neighbours for corner in corners):
             raise ModelError(f"Facet on {corners}: neighbours must be three nodes or None, none of them a corner")
         object.__setattr__(self, "thickness", require_positive(self.thickness, "thickness", "Facet"))
 

@@ -28,10 +28,10 @@ from kirigami.elements.shell_kernel import ShellFacetKernel
 from kirigami.elements.shell_rest import numbered_edges
 from kirigami.elements.triangle import check_areas, plane_stress
 from kirigami.errors import ModelError
-from kirigami.primitives.checks import require_positive
+from kirigami.primitives.checks import require_array, require_instance, require_positive
 from kirigami.primitives.kernel import Array, Kernel
 from kirigami.primitives.material import Material
-from kirigami.primitives.node import Node
+from kirigami.primitives.node import Node, require_nodes
 from kirigami.primitives.parts import ModelObject, Numbering
 
 
@@ -85,17 +85,15 @@ class ShellFacet(ModelObject):
 
     def __post_init__(self) -> None:
         corners = self.nodes
-        if not all(isinstance(corner, Node) for corner in corners) or len(set(map(id, corners))) < 3:
+        require_nodes("ShellFacet", i=self.i, j=self.j, k=self.k)
+        if len(set(map(id, corners))) < 3:
             raise ModelError(f"ShellFacet on {corners}: give three different nodes as corners")
         object.__setattr__(self, "thickness", require_positive(self.thickness, "thickness", "ShellFacet"))
-        if not isinstance(self.material, Material):
-            raise ModelError(f"ShellFacet on {corners}: material must be a Material, got {self.material!r}")
+        require_instance(self.material, Material, "material", "ShellFacet")
         for name, shape in (("normals", (3, 3)), ("section", (6, 6)), ("axis", (3,))):
             given = getattr(self, name)
-            if given is not None:
-                values = np.array(given, dtype=float)
-                if values.shape != shape or not np.isfinite(values).all():
-                    raise ModelError(f"ShellFacet on {corners}: {name} must hold {shape} finite numbers, got {given!r}")
+            if given is not None or name == "axis":
+                values = require_array(given, shape, name=name, owner="ShellFacet")
                 values.flags.writeable = False
                 object.__setattr__(self, name, values)
         if self.normals is not None and not np.linalg.norm(self.normals, axis=1).all():

@@ -30,7 +30,7 @@ import numpy as np
 from kirigami.deferred import deferred
 from kirigami.elements.mesh_bias import MeshBias
 from kirigami.errors import ModelError
-from kirigami.primitives.checks import require_positive
+from kirigami.primitives.checks import require_choice, require_instance, require_positive
 from kirigami.primitives.kernel import Array
 from kirigami.primitives.material import Material
 
@@ -67,19 +67,19 @@ class Calibration:
     c: float
 
     def __post_init__(self) -> None:
-        require_positive(self.F_s, "F_s", "Calibration")
-        require_positive(self.c, "c", "Calibration")
+        object.__setattr__(self, "F_s", require_positive(self.F_s, "F_s", "Calibration"))
+        object.__setattr__(self, "c", require_positive(self.c, "c", "Calibration"))
 
     @classmethod
     def named(cls, stiffness: str | Calibration, material: Material) -> Calibration:
         """The calibration of a name, or the one given."""
+        require_instance(material, Material, "material", "Calibration.named")
         if isinstance(stiffness, Calibration):
             return stiffness
-        if stiffness in ("plate", "facet", "split", "shell"):
-            return cls(F_s=1.0, c=1 / (12 * (1 - material.nu**2)))
+        require_choice(stiffness, RUNGS, "stiffness", "Model.from_mesh", or_else="a Calibration(F_s, c)")
         if stiffness == "paper":
             return cls(F_s=0.85, c=0.125 / 48)
-        raise ModelError(f"stiffness {stiffness!r} is unknown: use one of {RUNGS} or a Calibration(F_s, c)")
+        return cls(F_s=1.0, c=1 / (12 * (1 - material.nu**2)))
 
 
 @dataclass(frozen=True)
@@ -94,12 +94,35 @@ class SheetConstants:
 
 def bar_stiffness(mesh: TriMesh, thickness: float, E: float, F_s: float) -> Array:
     """EA of each mesh edge (edges,) [force]."""
+    _check_constants("bar_stiffness", mesh, thickness=thickness, E=E, F_s=F_s)
     return F_s * E * thickness * _facet_area_sum(mesh) / mesh.edge_lengths
 
 
 def hinge_stiffness(mesh: TriMesh, thickness: float, E: float, c: float) -> Array:
     """Rotational stiffness of each mesh edge (edges,) [force length / rad]; meaningful for inner edges."""
+    _check_constants("hinge_stiffness", mesh, thickness=thickness, E=E, c=c)
     return c * E * thickness**3 * mesh.edge_lengths**2 / _facet_area_sum(mesh)
+
+
+def _check_mesh(mesh: TriMesh, owner: str) -> None:
+    from kirigami.geometry.mesh import TriMesh  # a truss needs none
+
+    require_instance(mesh, TriMesh, "mesh", owner, "make one with Sheet.mesh or TriMesh")
+
+
+def _check_constants(owner: str, mesh: TriMesh, **constants: float) -> None:
+    _check_mesh(mesh, owner)
+    for name, value in constants.items():
+        require_positive(value, name, owner)
+    rigidity = (
+        float(np.prod([float(value) for value in constants.values()]))
+        * float(constants["thickness"])
+        * float(constants["thickness"])
+    )
+    if not np.isfinite(rigidity):
+        raise ModelError(
+            f"{owner}: the stiffness of a sheet of thickness {constants['thickness']:g} is beyond all numbers"
+        )
 
 
 def _facet_area_sum(mesh: TriMesh) -> Array:
@@ -118,4 +141,5 @@ def directional_bias(mesh: TriMesh) -> tuple[float, float]:
     direction; single-diagonal meshes do not. It costs one pass over the edges, unlike :func:`report`. Directions are
     those in the surface, so that a rolled sheet has the bias of the flat one.
     """
+    _check_mesh(mesh, "directional_bias")
     return MeshBias(mesh).edges

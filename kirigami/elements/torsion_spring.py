@@ -23,7 +23,7 @@ from kirigami.elements.angle import TURN, AngleKernel
 from kirigami.errors import ModelError
 from kirigami.primitives.checks import require_finite, require_positive
 from kirigami.primitives.kernel import EXACT, Array, Contribution, Kernel, Tangent, displacement_of
-from kirigami.primitives.node import Node
+from kirigami.primitives.node import Node, require_nodes
 from kirigami.primitives.parts import ModelObject, Numbering
 
 
@@ -61,6 +61,7 @@ class TorsionSpring3(ModelObject):
     rest_angle: float | None
 
     def __init__(self, i: Node, j: Node, k: Node, stiffness: float, *, rest_angle: float | None = None) -> None:
+        require_nodes("TorsionSpring3", i=i, j=j, k=k)
         put = object.__setattr__
         put(self, "i", i)
         put(self, "j", j)

@@ -8,6 +8,7 @@ rectangle of ``width`` by ``height`` that starts at ``(0, margin)``, so that the
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 import shapely
@@ -15,8 +16,19 @@ from numpy.typing import NDArray
 from shapely.geometry.base import BaseGeometry
 
 from kirigami.errors import GeometryError
+from kirigami.primitives.checks import (
+    require_array,
+    require_boolean,
+    require_finite,
+    require_not_negative,
+    require_positive,
+    require_whole,
+    shown,
+)
 
 Floats = NDArray[np.float64]
+
+MOST = 100_000  # cuts along one direction of a pattern; more is a slip
 
 
 def curved_cells(
@@ -76,9 +88,10 @@ def curved_cells(
     >>> Sheet(shapely.box(0, 0, 2, 2.4), cuts)
     Sheet(2 x 2.4, area 4.8, 28 slits, 0 openings)
     """
-    _counts(cells_across=cells_across, cells_along=cells_along)
-    _positive(width=width, height=height, length_ratio=length_ratio, depth_ratio=depth_ratio)
-    _not_negative(margin=margin, opening=opening)
+    _counts("curved_cells", cells_across=cells_across, cells_along=cells_along)
+    _positive("curved_cells", width=width, height=height, length_ratio=length_ratio, depth_ratio=depth_ratio)
+    _not_negative("curved_cells", margin=margin, opening=opening)
+    _counts("curved_cells", points=points)
     if points < 3 or points % 2 == 0:
         raise GeometryError(f"points must be odd and at least 3, so that a half arc ends at its top; not {points}")
     pitch = width / cells_across
@@ -147,9 +160,10 @@ def parallel_slits(
     >>> [round(cut.length, 3) for cut in parallel_slits(columns=1, rows=3)]
     [0.8, 0.4, 0.4, 0.8]
     """
-    _counts(columns=columns, rows=rows)
-    _positive(width=width, height=height, length=length)
-    _not_negative(margin=margin, opening=opening)
+    sides_first = require_boolean(sides_first, "sides_first", "parallel_slits", GeometryError)
+    _counts("parallel_slits", columns=columns, rows=rows)
+    _positive("parallel_slits", width=width, height=height, length=length)
+    _not_negative("parallel_slits", margin=margin, opening=opening)
     pitch = width / columns
     cuts: list[BaseGeometry] = []
     for row in range(rows):
@@ -190,9 +204,9 @@ def perpendicular_slits(
     >>> len(perpendicular_slits(4, 3))
     12
     """
-    _counts(columns=columns, rows=rows)
-    _positive(cell=cell, length=length)
-    _not_negative(margin=margin)
+    _counts("perpendicular_slits", columns=columns, rows=rows)
+    _positive("perpendicular_slits", cell=cell, length=length)
+    _not_negative("perpendicular_slits", margin=margin)
     low, high = np.array([0.0, margin]), np.array([columns * cell, margin + rows * cell])
     cuts: list[BaseGeometry] = []
     for row in range(rows):
@@ -249,11 +263,13 @@ def random_slits(
     >>> slits == random_slits(10, 1.0, 1.0, (0.1, 0.3), seed=1, gap=0.02)
     True
     """
-    _counts(count=count)
-    _positive(width=width, height=height, shortest=length[0], longest=length[1], gap=gap)
-    _not_negative(margin=margin)
-    if not (length[0] <= length[1] and np.isfinite(angles).all() and angles[0] <= angles[1]):
-        raise GeometryError(f"length and angles must be ranges from low to high, not {length} and {angles}")
+    _counts("random_slits", count=count)
+    length, angles = _range(length, "length", "random_slits"), _range(angles, "angles", "random_slits")
+    shortest = length[0]
+    _positive("random_slits", width=width, height=height, shortest=shortest, gap=gap)
+    _not_negative("random_slits", margin=margin)
+    crossing = require_boolean(crossing, "crossing", "random_slits", GeometryError)
+    seed = require_whole(seed, "seed", "random_slits", 0, GeometryError)
     random = np.random.default_rng(seed)
     area = shapely.box(gap, margin + gap, width - gap, margin + height - gap)
     cuts: list[BaseGeometry] = []
@@ -306,8 +322,9 @@ def single_slit_disc(
     >>> outline.bounds, cuts[0].length
     ((-3.0, -3.0, 3.0, 3.0), 2.58)
     """
-    _positive(radius=radius, length=length)
-    _not_negative(opening=opening)
+    _positive("single_slit_disc", radius=radius, length=length)
+    _not_negative("single_slit_disc", opening=opening)
+    _counts("single_slit_disc", points=points)
     if points < 8 or points % 4:
         raise GeometryError(f"points must be at least 8 and divisible by four, not {points}")
     angle = 2.0 * np.pi * np.arange(points) / points
@@ -355,12 +372,18 @@ def single_slit_rectangle(
     >>> [round(value, 12) for value in cuts[0].bounds]
     [1.0, 0.25, 1.0, 0.75]
     """
-    _positive(width=width, height=height, length=length)
-    _not_negative(opening=opening)
+    _positive("single_slit_rectangle", width=width, height=height, length=length)
+    _not_negative("single_slit_rectangle", opening=opening)
     outline = shapely.box(0.0, 0.0, width, height)
-    turn = np.radians(angle)
+    turn = np.radians(require_finite(angle, "angle", "single_slit_rectangle", GeometryError))
     along, across = np.array([np.cos(turn), np.sin(turn)]), np.array([-np.sin(turn), np.cos(turn)])
-    middle = np.array([0.5 * width, 0.5 * height] if centre is None else centre)
+    middle = require_array(
+        (0.5 * width, 0.5 * height) if centre is None else centre,
+        (2,),
+        name="centre",
+        owner="single_slit_rectangle",
+        error=GeometryError,
+    )
     ends = middle + np.outer([-0.5 * length, 0.5 * length], along)
     cut: BaseGeometry = shapely.LineString(ends)
     if opening > 0:
@@ -402,19 +425,24 @@ def _require_apart(cuts: Sequence[BaseGeometry], advice: str) -> None:
         )
 
 
-def _counts(**values: int) -> None:
+def _counts(owner: str, **values: int) -> None:
     for name, value in values.items():
-        if value != int(value) or value < 1:
-            raise GeometryError(f"{name} must be a positive whole number, not {value}")
+        if require_whole(value, name, owner, 1, GeometryError) > MOST:
+            raise GeometryError(f"{owner}: {name} must be at most {MOST}, got {shown(value)}")
 
 
-def _positive(**values: float) -> None:
+def _positive(owner: str, **values: float) -> None:
     for name, value in values.items():
-        if not (np.isfinite(value) and value > 0):
-            raise GeometryError(f"{name} must be positive, not {value}")
+        require_positive(value, name, owner, GeometryError)
 
 
-def _not_negative(**values: float) -> None:
+def _not_negative(owner: str, **values: float) -> None:
     for name, value in values.items():
-        if not (np.isfinite(value) and value >= 0):
-            raise GeometryError(f"{name} must not be negative, and is {value}")
+        require_not_negative(value, name, owner, GeometryError)
+
+
+def _range(value: Any, name: str, owner: str) -> tuple[float, float]:
+    low, high = require_array(value, (2,), name=name, owner=owner, error=GeometryError).tolist()
+    if low > high:
+        raise GeometryError(f"{owner}: {name} must be a range from low to high, got {low:g} to {high:g}")
+    return low, high

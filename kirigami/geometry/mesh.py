@@ -22,10 +22,20 @@ from kirigami.geometry.topology import (
     paired_half_edges,
     sides,
 )
+from kirigami.primitives.checks import (
+    require_array,
+    require_instance,
+    require_items,
+    require_mapping,
+    require_positive,
+    require_text,
+    require_whole_array,
+    shown,
+)
+from kirigami.primitives.material import Material
 
 if TYPE_CHECKING:
     from kirigami.geometry.sizing import Sizing
-    from kirigami.primitives.material import Material
 
 Integers = NDArray[np.int64]
 Floats = NDArray[np.float64]
@@ -106,10 +116,11 @@ class TriMesh:
     ) -> None:
         self.nodes: Floats = _read_only(_checked_nodes(nodes))
         self.triangles: Integers = _read_only(oriented_triangles(self.nodes, _checked_triangles(self.nodes, triangles)))
-        self.sets: dict[str, Integers] = {name: self._node_set(name, which) for name, which in (sets or {}).items()}
-        self.thickness = thickness
-        self.material = material
-        self._given_cuts = None if cuts is None else list(cuts)
+        given = {} if sets is None else require_mapping(sets, "sets", "TriMesh", GeometryError)
+        self.sets: dict[str, Integers] = {name: self._node_set(name, which) for name, which in given.items()}
+        self.thickness = None if thickness is None else require_positive(thickness, "thickness", "TriMesh")
+        self.material = None if material is None else require_instance(material, Material, "material", "TriMesh")
+        self._given_cuts = None if cuts is None else _checked_cuts(cuts, len(self.nodes))
         self.sizing: Sizing | None = None  # what a mesh with a budget of nodes has come to
 
     # --- edges -----------------------------------------------------------------------------------------------------
@@ -173,7 +184,12 @@ class TriMesh:
         >>> mesh.nodal_mean([1.0, 3.0]).tolist()
         [2.0, 1.0, 2.0, 3.0]
         """
-        given = np.asarray(values, dtype=float)
+        given = require_array(values, name="values", owner="TriMesh.nodal_mean", error=GeometryError)
+        if given.shape[:1] != (len(self.triangles),):
+            raise GeometryError(
+                f"TriMesh.nodal_mean: values must have a row for each of the {len(self.triangles)} facets, got shape "
+                f"{given.shape}"
+            )
         per_facet = given.reshape(len(self.triangles), -1)
         total = np.zeros((len(self.nodes), per_facet.shape[1]))
         for corner in self.triangles.T:
@@ -291,6 +307,7 @@ class TriMesh:
         GeometryError
             If there is no such name; the message lists the names there are.
         """
+        require_text(name, "name", "TriMesh.boundary", GeometryError)
         if name in self.sets:
             return self.sets[name]
         if name == "free":
@@ -335,21 +352,27 @@ class TriMesh:
 
     def with_cuts(self, cuts: Sequence[CutLoop], sizing: Sizing | None = None) -> TriMesh:
         """Copy in which the cuts are these and not the inner boundary loops."""
+        if sizing is not None:
+            from kirigami.geometry.sizing import Sizing
+
+            require_instance(sizing, Sizing, "sizing", "TriMesh.with_cuts", error=GeometryError)
         copied = self._copy(self.nodes, self.sets, cuts)
         copied.sizing = sizing
         return copied
 
     def scaled(self, factor: float) -> TriMesh:
         """Copy with all coordinates times ``factor``; the thickness stays as it is."""
-        if not (np.isfinite(factor) and factor > 0):
-            raise GeometryError(f"cannot scale a mesh by {factor}: the factor must be positive")
+        factor = require_positive(factor, "factor", "TriMesh.scaled", GeometryError)
         return self._copy(self.nodes * factor, self.sets, self._given_cuts)
 
     def _copy(self, nodes: Floats, sets: Mapping[str, ArrayLike], cuts: Sequence[CutLoop] | None) -> TriMesh:
         return TriMesh(nodes, self.triangles, sets, thickness=self.thickness, material=self.material, cuts=cuts)
 
     def _node_set(self, name: str, which: ArrayLike) -> Integers:
-        indices = np.asarray(which)
+        try:
+            indices = np.asarray(which)
+        except ValueError:
+            raise GeometryError(f"node set {name!r} must be a flat list of node numbers, got {shown(which)}") from None
         if indices.dtype == bool and indices.shape == (len(self.nodes),):
             indices = np.flatnonzero(indices)
         if indices.size and not np.issubdtype(indices.dtype, np.integer):
@@ -379,9 +402,7 @@ def _read_only(array: NDArray[Any]) -> NDArray[Any]:
 
 
 def _checked_nodes(nodes: ArrayLike) -> Floats:
-    given = np.asarray(nodes, dtype=float)
-    if given.ndim != 2 or given.shape[1] not in (2, 3) or len(given) == 0:
-        raise GeometryError(f"nodes must have shape (n, 2) or (n, 3), not {given.shape}")
+    given = require_array(nodes, (None, 2), (None, 3), name="nodes", owner="TriMesh", error=GeometryError, finite=False)
     bad = np.flatnonzero(~np.isfinite(given).all(axis=1))
     if bad.size:
         raise GeometryError(f"node {bad[0]} has the coordinates {given[bad[0]]}: every coordinate must be finite")
@@ -391,10 +412,7 @@ def _checked_nodes(nodes: ArrayLike) -> Floats:
 
 
 def _checked_triangles(nodes: Floats, triangles: ArrayLike) -> Integers:
-    given = np.asarray(triangles)
-    if given.ndim != 2 or given.shape[1] != 3 or len(given) == 0 or not np.issubdtype(given.dtype, np.integer):
-        raise GeometryError(f"triangles must be integers of shape (m, 3), not {given.dtype} of shape {given.shape}")
-    checked = given.astype(np.int64)
+    checked = require_whole_array(triangles, (None, 3), name="triangles", owner="TriMesh", error=GeometryError)
 
     def refuse(wrong: Any, why: str) -> None:
         if wrong.any():
@@ -415,3 +433,12 @@ def _checked_triangles(nodes: Floats, triangles: ArrayLike) -> Integers:
     if unused.size:
         raise GeometryError(f"node {unused[0]} at {nodes[unused[0]]} and {unused.size - 1} more belong to no facet")
     return checked
+
+
+def _checked_cuts(cuts: Sequence[CutLoop], count: int) -> list[CutLoop]:
+    listed = require_items(cuts, "cuts", "TriMesh", GeometryError)
+    for cut in listed:
+        require_instance(cut, CutLoop, "cuts", "TriMesh", error=GeometryError)
+        if np.min(cut.loop, initial=0) < 0 or np.max(cut.loop, initial=0) >= count:
+            raise GeometryError(f"TriMesh: the loop of a cut names a node beyond 0 .. {count - 1}")
+    return listed

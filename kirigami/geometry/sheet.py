@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import shapely
@@ -19,9 +19,16 @@ from kirigami.geometry.refine import LONGEST, signed_areas, triangulate_drawing
 from kirigami.geometry.sizing import NODES, Sizing, mesh_within, warn_of_coarse
 from kirigami.geometry.triangulate import Triangulation
 from kirigami.geometry.unzip import find_cuts, unzip
-
-if TYPE_CHECKING:
-    from kirigami.primitives.material import Material
+from kirigami.primitives.checks import (
+    require_array,
+    require_boolean,
+    require_callable,
+    require_finite,
+    require_instance,
+    require_positive,
+    require_whole,
+)
+from kirigami.primitives.material import Material
 
 CUT_FRACTION = 0.4  # default edge length along cuts, as a fraction of max_edge
 SNAP_PER_EDGE = 200  # the default snapping distance is this part of cut_edge
@@ -30,6 +37,7 @@ DENSE = 4  # points per cut_edge beyond which a curve is thinned
 LARGEST_SNAP, SMALLEST_SNAP = 1e-4, 1e-9  # default and limit, fractions of the size of the sheet
 POOR_ANGLE = 20.0  # degrees; below, bars and hinges lose accuracy
 FEWEST_NODES, MOST_NODES = 10, 1_000_000
+WIDE = 1e6  # longest wanted edge over the size of the sheet; any beyond asks for the same
 LARGEST_MIN_ANGLE = 33.0  # degrees; beyond, refinement need not come to an end
 
 
@@ -76,8 +84,10 @@ class Sheet:
         self.cuts: tuple[BaseGeometry, ...] = tuple(
             _checked_line_or_polygon(cut, f"cut {number}") for number, cut in enumerate(_flattened(cuts))
         )
-        self.thickness = thickness
-        self.material = material
+        self.thickness = None if thickness is None else require_positive(thickness, "thickness", "Sheet")
+        self.material = (
+            None if material is None else require_instance(material, Material, "material", "Sheet")
+        )
 
     @property
     def area(self) -> float:
@@ -159,6 +169,8 @@ class Sheet:
         >>> abs(len(mesh.nodes) / 1500 - 1) < 0.1, mesh.sizing.facets_across >= 4
         (True, True)
         """
+        min_angle = require_finite(min_angle, "min_angle", "Sheet.mesh", GeometryError)
+        allow_parts = require_boolean(allow_parts, "allow_parts", "Sheet.mesh", GeometryError)
         if not 0.0 < min_angle <= LARGEST_MIN_ANGLE:
             raise GeometryError(f"min_angle must lie between 0 and {LARGEST_MIN_ANGLE:g} degrees, not {min_angle}")
         names, geometries = _named_lines(lines)
@@ -166,7 +178,9 @@ class Sheet:
         extent = max(xmax - xmin, ymax - ymin)
         if max_edge is None:
             budget = _budget(nodes, {"cut_edge": cut_edge, "size": size})
-            relative = LARGEST_SNAP if snap is None else _positive("snap", snap) / extent
+            relative = LARGEST_SNAP
+            if snap is not None:
+                relative = require_positive(snap, "snap", "Sheet.mesh", GeometryError) / extent
             snap, spacing = _checked_snap(relative, extent), COARSE / float(np.sqrt(budget))
             drawing = clean(self.outline, self.cuts, geometries, snap, spacing, allow_parts)
             made, sizing = mesh_within(drawing, budget, min_angle)
@@ -176,21 +190,29 @@ class Sheet:
             return mesh
         if nodes is not None:
             raise GeometryError("give max_edge or a budget of nodes, not both")
-        max_edge = _positive("max_edge", max_edge)
-        cut_edge = min(CUT_FRACTION * max_edge if cut_edge is None else _positive("cut_edge", cut_edge), max_edge)
+        max_edge = require_positive(max_edge, "max_edge", "Sheet.mesh", GeometryError)
+        along_cuts = CUT_FRACTION * max_edge if cut_edge is None else cut_edge
+        cut_edge = min(require_positive(along_cuts, "cut_edge", "Sheet.mesh", GeometryError), max_edge)
         relative = (
-            min(cut_edge / (SNAP_PER_EDGE * extent), LARGEST_SNAP) if snap is None else _positive("snap", snap) / extent
+            min(cut_edge / (SNAP_PER_EDGE * extent), LARGEST_SNAP)
+            if snap is None
+            else require_positive(snap, "snap", "Sheet.mesh", GeometryError) / extent
         )
         # rounded so that the same drawing in another unit gives the same mesh
-        longest, at_cuts = (float(f"{length:.12g}") for length in (max_edge / extent, cut_edge / extent))
+        longest, at_cuts = (float(f"{min(length, WIDE):.12g}") for length in (max_edge / extent, cut_edge / extent))
         snap = _checked_snap(relative, extent)
         drawing = clean(self.outline, self.cuts, geometries, snap, at_cuts / DENSE, allow_parts)
         local = None
         if size is not None:
-            wanted, frame = size, drawing.frame
+            lengths, frame = require_callable(size, "size", "Sheet.mesh", GeometryError), drawing.frame
 
             def local(points: NDArray[np.float64]) -> NDArray[np.float64]:
-                return np.asarray(wanted(frame.from_unit(points)), dtype=float) / frame.size
+                found = lengths(frame.from_unit(points))
+                count = len(points)
+                return (
+                    require_array(found, (count,), name="what size() gives", owner="Sheet.mesh", error=GeometryError)
+                    / frame.size
+                )
 
         made = triangulate_drawing(drawing, longest, at_cuts, min_angle, local)
         mesh = self._opened(drawing, made, names)
@@ -293,12 +315,6 @@ def _verify(mesh: TriMesh, drawing: Drawing, made: Triangulation, max_edge: floa
 # --- what may be drawn ---------------------------------------------------------------------------------------------
 
 
-def _positive(name: str, value: float) -> float:
-    if not (np.isfinite(value) and value > 0):
-        raise GeometryError(f"{name} must be a positive length, not {value}")
-    return float(value)
-
-
 def _checked_snap(relative: float, extent: float) -> float:
     """The snapping distance, a share of the size of the sheet; rounded so that no unit of length shows in the mesh."""
     if not SMALLEST_SNAP <= relative <= 1e-2:
@@ -316,15 +332,16 @@ def _budget(nodes: int | None, unused: Mapping[str, Any]) -> int:
             raise GeometryError(f"{name} goes with max_edge; without it the mesh chooses its own sizes")
     if nodes is None:
         return NODES
-    if isinstance(nodes, bool) or not isinstance(nodes, (int, np.integer)) or not FEWEST_NODES <= nodes <= MOST_NODES:
-        raise GeometryError(f"nodes must be a whole number from {FEWEST_NODES} to {MOST_NODES:,}, not {nodes!r}")
-    return int(nodes)
+    count = require_whole(nodes, "nodes", "Sheet.mesh", FEWEST_NODES, GeometryError)
+    if count > MOST_NODES:
+        raise GeometryError(f"nodes must be a whole number from {FEWEST_NODES} to {MOST_NODES:,}, not {count}")
+    return count
 
 
 def _is_coordinates(item: Any) -> bool:
     try:
         array = np.asarray(item, dtype=float)
-    except (TypeError, ValueError):
+    except Exception:  # ragged, too large for a number, or foreign
         return False
     return array.ndim == 2 and array.shape[1] in (2, 3)
 

@@ -9,10 +9,10 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from kirigami.errors import ModelError
 from kirigami.files import whole_file
 from kirigami.io.shell import Shell, checked_targets, shell_of
 from kirigami.model.model import Model
+from kirigami.primitives.checks import require_choice, require_path, require_whole
 from kirigami.primitives.kernel import Array
 
 NODES_OF = {"S3": 3, "STRI3": 3, "S6": 6, "STRI65": 6}
@@ -64,15 +64,14 @@ def to_abaqus(
     >>> print(to_abaqus(m, Path(tempfile.mkdtemp()) / "square.inp").read_text().splitlines()[1])
     *NODE, NSET=ALL
     """
-    if element not in NODES_OF:
-        raise ModelError(f"to_abaqus: element must be one of {', '.join(NODES_OF)}, got {element!r}")
-    if int(increments) < 1:
-        raise ModelError(f"to_abaqus: increments must be 1 or more, got {increments}")
+    target = require_path(path, "path", "to_abaqus")
+    require_choice(element, NODES_OF, "element", "to_abaqus")
+    increments = require_whole(increments, "increments", "to_abaqus", least=1)
     listed = checked_targets(targets, "to_abaqus")
     shell = shell_of(model, "to_abaqus")
-    with whole_file(path) as unfinished, open(unfinished, "w", encoding="ascii", errors="replace") as file:
-        file.writelines(line + "\n" for line in _lines(shell, model, listed, int(increments), element))
-    return Path(path)
+    with whole_file(target) as unfinished, open(unfinished, "w", encoding="ascii", errors="replace") as file:
+        file.writelines(line + "\n" for line in _lines(shell, model, listed, increments, element))
+    return target
 
 
 def _lines(shell: Shell, model: Model, targets: list[float], increments: int, element: str) -> Iterator[str]:

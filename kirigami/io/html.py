@@ -15,9 +15,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from kirigami.errors import AnalysisError, ModelError
+from kirigami.errors import AnalysisError
 from kirigami.files import library, whole_file
 from kirigami.io.table import Nodes, curves
+from kirigami.primitives.checks import require_path, require_text, require_whole
 from kirigami.primitives.kernel import Array
 from kirigami.results.fields import energy_density, facet_strain
 from kirigami.results.results import Results
@@ -78,12 +79,12 @@ def to_html(
     >>> "http-equiv" in page.read_text(encoding="utf-8")[:1000]
     True
     """
+    target = require_path(path, "path", "to_html")
+    frames = require_whole(frames, "frames", "to_html", least=2)
     if not len(results):
         raise AnalysisError("there are no steps to show", results=results)
-    if frames < 2:
-        raise ModelError(f"to_html: frames must be 2 or more, got {frames}")
     plotly = library("plotly.offline", "writing an HTML page")
-    heading = title if title is not None else results.name or "kirigami"
+    heading = require_text(title, "title", "to_html") if title is not None else results.name or "kirigami"
     shown = np.unique(np.linspace(0, len(results) - 1, min(frames, len(results))).round().astype(int))
     head, body = _contents(results, shown)
     head["title"] = heading
@@ -101,9 +102,9 @@ def to_html(
         "BODY": _packed(body),
         "PLOTLY": _packed(plotly.get_plotlyjs().encode()),
     }
-    with whole_file(path) as unfinished, open(unfinished, "w", encoding="utf-8") as file:
+    with whole_file(target) as unfinished, open(unfinished, "w", encoding="utf-8") as file:
         file.writelines(parts[piece] if number % 2 else piece for number, piece in enumerate(page.split("%%")))
-    return Path(path)
+    return target
 
 
 def _packed(data: bytes) -> str:

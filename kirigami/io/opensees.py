@@ -16,6 +16,7 @@ from kirigami.errors import ModelError
 from kirigami.files import whole_file
 from kirigami.io.shell import checked_targets, shell_of
 from kirigami.model.model import Model
+from kirigami.primitives.checks import require_path, require_whole
 
 SCRIPT = '''\
 """{title}: a sheet of shell triangles, stretched step by step. Run: python {name} [reactions.csv]"""
@@ -149,8 +150,8 @@ def to_openseespy(
     >>> script = to_openseespy(m, Path(tempfile.mkdtemp()) / "square.py").read_text()
     >>> compiled = compile(script, "square.py", "exec")
     """
-    if int(increments) < 1:
-        raise ModelError(f"to_openseespy: increments must be 1 or more, got {increments}")
+    target = require_path(path, "path", "to_openseespy")
+    increments = require_whole(increments, "increments", "to_openseespy", least=1)
     listed = checked_targets(targets, "to_openseespy")
     shell = shell_of(model, "to_openseespy")
     for key, (constant, driven) in shell.held.items():
@@ -164,13 +165,13 @@ def to_openseespy(
     ]
     script = SCRIPT.format(
         title=(model.name or "sheet").replace("\\", "/").replace('"', "'"),
-        name=Path(path).name,
+        name=target.name,
         E=shell.material.E,
         nu=shell.material.nu,
         thickness=shell.thickness,
         density=shell.material.density or 0.0,
         targets=listed,
-        increment=max(map(abs, listed)) / int(increments),
+        increment=max(map(abs, listed)) / increments,
         tolerance=1e-9 * size,
         nodes=_rows(map(tuple, shell.nodes.tolist())),
         triangles=_rows(map(tuple, shell.triangles.tolist())),
@@ -180,9 +181,9 @@ def to_openseespy(
         loads=_rows(loads),
         sets="".join(f"    {name!r}: {group.tolist()},\n" for name, group in shell.sets.items()),
     )
-    with whole_file(path) as unfinished:
+    with whole_file(target) as unfinished:
         unfinished.write_text(script, encoding="utf-8")
-    return Path(path)
+    return target
 
 
 def _first_of_parts(triangles: NDArray[np.int64], count: int) -> list[int]:

@@ -13,6 +13,7 @@ from kirigami.errors import ModelError
 from kirigami.model.constraints import Constraint, Fix, Prescribe
 from kirigami.model.loads import NodalLoad
 from kirigami.model.model import Model
+from kirigami.primitives.checks import require_array, require_instance, shown
 from kirigami.primitives.kernel import Array
 from kirigami.primitives.material import Material
 from kirigami.primitives.node import AXES
@@ -83,6 +84,7 @@ def shell_of(model: Model, owner: str) -> Shell:
     >>> shell.held[2, 1], shell.sets["driven_0"].tolist()
     ((0.0, 0.1), [2, 3])
     """
+    require_instance(model, Model, "model", owner)
     if model.mesh is None or model.sheet_constants is None or model.dim != 3:
         raise ModelError(f"{owner} needs a three-dimensional model made by Model.from_mesh")
     _check_elements(model, owner)
@@ -150,7 +152,8 @@ def _hold(shell: Shell, model: Model, item: Constraint, owner: str) -> None:
 
 def checked_targets(targets: Sequence[float], owner: str) -> list[float]:
     """Load factors as a list of finite numbers, none of them repeated in a row."""
-    listed = [float(target) for target in targets]
-    if not listed or not np.isfinite(listed).all() or 0.0 in np.diff([0.0, *listed]):
-        raise ModelError(f"{owner}: targets must be finite load factors, none twice in a row, got {targets!r}")
-    return listed
+    listed = require_array(targets, (None,), name="targets", owner=owner)
+    if 0.0 in np.diff(listed, prepend=0.0):
+        raise ModelError(f"{owner}: targets must be finite load factors, none twice in a row, got {shown(targets)}")
+    found: list[float] = listed.tolist()
+    return found

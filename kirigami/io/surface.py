@@ -8,7 +8,8 @@ from pathlib import Path
 import numpy as np
 
 from kirigami.errors import AnalysisError, ModelError
-from kirigami.files import file_path, library, whole_file
+from kirigami.files import library, whole_file
+from kirigami.primitives.checks import require_path, require_whole
 from kirigami.results.results import Results
 
 ENDINGS = (".stl", ".obj", ".ply", ".glb", ".gltf")
@@ -48,7 +49,8 @@ def write_surface(results: Results, path: str | os.PathLike[str], step: int = -1
     >>> write_surface(res, Path(tempfile.mkdtemp()) / "sheet.stl").stat().st_size  # 84 bytes and 50 for each facet
     134
     """
-    target = file_path(path)
+    target = require_path(path, "path", "to_surface")
+    step = require_whole(step, "step", "to_surface")
     ending = target.suffix.lower()
     if ending not in ENDINGS:
         raise ModelError(f"surfaces are written as {', '.join(ENDINGS)}, not {target.name!r}")

@@ -12,7 +12,8 @@ from typing import Any
 import numpy as np
 
 from kirigami.errors import AnalysisError
-from kirigami.files import file_path, library, whole_file
+from kirigami.files import library, whole_file
+from kirigami.primitives.checks import require_mapping, require_path
 from kirigami.primitives.kernel import Array
 from kirigami.primitives.node import AXES, Node
 from kirigami.results.results import Results
@@ -65,7 +66,8 @@ def curves(results: Results, reactions: Mapping[str, Nodes] | None = None) -> di
         found["height"] = results.height()
     found |= {f"energy_{kind}": values for kind, values in results.energy.items()}
     if reactions is not None:
-        wanted = [(name, nodes, AXES[: results.dim]) for name, nodes in reactions.items()]
+        named = require_mapping(reactions, "reactions", "curves")
+        wanted = [(name, nodes, AXES[: results.dim]) for name, nodes in named.items()]
     else:
         wanted = [(support.name, support.nodes, support.dofs) for support in results.supports if support.driven]
     for name, nodes, axes in wanted:
@@ -106,10 +108,10 @@ def to_csv(
     >>> file.read_text().splitlines()[0]
     'step,load_factor,stable,residual,energy_bars,reaction_left_x,reaction_left_y'
     """
+    target = require_path(path, "path", "to_csv")
     if not len(results):
         raise AnalysisError("there are no steps to write", results=results)
     columns = curves(results, reactions)
-    target = file_path(path)
     with whole_file(target) as unfinished, open(unfinished, "w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file)
         writer.writerow(["step", *columns])

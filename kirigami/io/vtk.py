@@ -8,8 +8,9 @@ from typing import Any
 
 import numpy as np
 
-from kirigami.errors import AnalysisError
+from kirigami.errors import AnalysisError, ModelError
 from kirigami.files import library, whole_file
+from kirigami.primitives.checks import require_path, require_text
 from kirigami.results.fields import energy_density, facet_strain
 from kirigami.results.results import Results
 
@@ -54,6 +55,9 @@ def write_vtk(results: Results, folder: str | os.PathLike[str], name: str = "ste
     >>> [file.name for file in files]
     ['step_0000.vtu', 'step_0001.vtu', 'step.pvd']
     """
+    target = require_path(folder, "folder", "to_vtk")
+    if not require_text(name, "name", "to_vtk") or set(name) & set("/\\\0"):
+        raise ModelError(f"to_vtk: name must be the start of a file name, got {name!r}")
     if not len(results):
         raise AnalysisError("there are no steps to write", results=results)
     meshio = library("meshio", "writing VTK files")
@@ -62,7 +66,6 @@ def write_vtk(results: Results, folder: str | os.PathLike[str], name: str = "ste
     reaction = _reactions(results)
     positions = results.position()
     points = results.without_tips if results.mesh is not None else np.arange(len(results.rest))
-    target = Path(folder)
     files = []
     for index in range(len(results)):
         fields = {"displacement": results.u, "reaction": reaction, "energy_density": energy}

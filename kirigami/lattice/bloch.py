@@ -17,6 +17,7 @@ from numpy.typing import ArrayLike
 
 from kirigami.errors import ModelError
 from kirigami.lattice.framework import RANK, Framework
+from kirigami.primitives.checks import require_array, require_finite, require_instance
 from kirigami.primitives.kernel import Array
 
 TURN = 2 * math.pi
@@ -46,7 +47,9 @@ def bands(framework: Framework, phases: ArrayLike) -> Array:
     (True, 0.0)
     """
     _periodic(framework, "bands")
-    at = np.asarray(phases, dtype=float)
+    at = require_array(phases, name="phases", owner="bands")
+    if at.ndim == 0 or at.shape[-1] != len(framework.lattice):
+        raise ModelError(f"bands: phases must have the shape (..., {len(framework.lattice)}), got {at.shape}")
     found = []
     for phase in at.reshape(-1, len(framework.lattice)):
         size = np.linalg.svd(framework.compatibility(phases=phase), compute_uv=False)
@@ -147,6 +150,7 @@ def winding_numbers(framework: Framework, at: float = 1.0) -> tuple[int, ...]:
             f"winding_numbers: the cell has {len(framework.bars)} bars for {framework.unknowns} unknowns; det C needs "
             "as many of both (for panels of four corners or more take bracing='single')"
         )
+    at = require_finite(at, "at", "winding_numbers")
     numbers = []
     for axis in range(len(framework.lattice)):
         phases = np.full(len(framework.lattice), at)
@@ -203,11 +207,13 @@ def polarization(framework: Framework, at: float = 1.0) -> Array:
     >>> [(polarization(Framework.from_tiling(tilings.kagome(angle))) + 0).tolist() for angle in (1.08, 1.75)]
     [[0.0, 0.0], [0.0, 1.0]]
     """
+    numbers = np.array(winding_numbers(framework, at))
     # The middle of a bar stands shifts / 2 from where its first end's cell has it; points stand in cell zero.
-    found: Array = 0.5 * framework.shifts.sum(axis=0) - np.array(winding_numbers(framework, at))
+    found: Array = 0.5 * framework.shifts.sum(axis=0) - numbers
     return found
 
 
 def _periodic(framework: Framework, owner: str) -> None:
+    require_instance(framework, Framework, "framework", owner, "Framework.from_tiling makes one")
     if not len(framework.lattice):
         raise ModelError(f"{owner}: the framework is finite; take a periodic tiling")

@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from kirigami.errors import AnalysisError, ModelError
+from kirigami.primitives.checks import require_array, require_instance, require_positive, require_whole
 from kirigami.primitives.kernel import Array
 
 if TYPE_CHECKING:
@@ -70,8 +71,10 @@ class Framework:
             The model has no bars, or cannot be lowered.
         """
         from kirigami.elements.bar import Bar
+        from kirigami.model.model import Model
         from kirigami.system.system import System
 
+        require_instance(model, Model, "model", "Framework.from_model")
         bars = [element for element in model.elements if isinstance(element, Bar)]
         if not bars:
             raise ModelError("Framework.from_model: the model has no bars")
@@ -85,6 +88,9 @@ class Framework:
     @classmethod
     def from_tiling(cls, tiling: Tiling, bracing: str = "single") -> Framework:
         """The bars of the panels of a tiling, unsupported; a periodic one gives the framework of its cell."""
+        from kirigami.lattice.tilings.tiling import Tiling
+
+        require_instance(tiling, Tiling, "tiling", "Framework.from_tiling")
         found: dict[tuple[int, ...], None] = {}
         for bar in tiling.bars(bracing):
             (i, a, b), (j, c, d) = sorted(tiling.corners[end] for end in bar)
@@ -101,7 +107,9 @@ class Framework:
 
     def vectors(self, points: Array | None = None) -> Array:
         """Vectors (b, dim) from the first to the second end of each bar."""
-        x = self.points if points is None else points
+        x = self.points
+        if points is not None:
+            x = require_array(points, self.points.shape, name="points", owner="Framework")
         return x[self.bars[:, 1]] + self.shifts @ self.lattice - x[self.bars[:, 0]]
 
     def compatibility(self, points: Array | None = None, phases: ArrayLike | None = None) -> NDArray[Any]:
@@ -119,7 +127,7 @@ class Framework:
         direction = direction / np.linalg.norm(direction, axis=1, keepdims=True)
         turn: NDArray[Any] = np.ones(len(self.bars))
         if phases is not None:
-            turn = np.exp(1j * (self.shifts @ np.asarray(phases, dtype=float)))
+            turn = np.exp(1j * (self.shifts @ self._checked_phases(phases)))
         matrix = np.zeros((len(self.bars), self.unknowns), dtype=turn.dtype)
         rows = np.arange(len(self.bars))
         for axis in range(self.points.shape[1]):
@@ -129,8 +137,12 @@ class Framework:
                 np.add.at(matrix, (rows[moving], column[moving]), weight[moving])
         return matrix
 
+    def _checked_phases(self, phases: ArrayLike) -> Array:
+        return require_array(phases, (len(self.lattice),), name="phases", owner="Framework")
+
     def field(self, unknowns: Array) -> Array:
         """Displacements (n, 3) of all points for values (unknowns,) of the unknowns."""
+        unknowns = require_array(unknowns, (self.unknowns,), name="unknowns", owner="Framework.field")
         moving = self.unknown >= 0
         field = np.zeros((len(self.points), 3))
         field[:, : self.points.shape[1]][moving] = unknowns[self.unknown[moving]]
@@ -158,7 +170,7 @@ class Framework:
         """Orthonormal basis (motions, unknowns) of the rigid motions that supports and lattice leave."""
         from kirigami.primitives.rigid import rigid_motions
 
-        if phases is not None and np.any(np.remainder(np.asarray(phases), 2 * np.pi)):
+        if phases is not None and np.any(np.remainder(self._checked_phases(phases), 2 * np.pi)):
             return np.zeros((0, self.unknowns))
         dim = self.points.shape[1]
         fields, _ = rigid_motions(self.points)
@@ -209,7 +221,10 @@ class Framework:
         >>> bool(np.allclose(path[-1, 1], [-1, 1, 0], atol=1e-3))
         True
         """
-        start = np.asarray(mode, dtype=float)[:, : self.points.shape[1]]
+        count, dim = self.points.shape
+        start = require_array(mode, (count, dim), (count, 3), name="mode", owner="Framework.follow")[:, :dim]
+        distance = require_positive(distance, "distance", "Framework.follow")
+        steps = require_whole(steps, "steps", "Framework.follow", least=1)
         moving = self.unknown >= 0
         direction = np.zeros(self.unknowns)
         direction[self.unknown[moving]] = start[moving]

@@ -18,6 +18,7 @@ from numpy.typing import ArrayLike, NDArray
 from kirigami.errors import MechanismError, ModelError
 from kirigami.model.constraints import Fix, Tie
 from kirigami.model.model import Model
+from kirigami.primitives.checks import require_array, require_boolean, require_instance, require_whole_array
 from kirigami.primitives.groups import first_of_group
 from kirigami.primitives.kernel import Array
 from kirigami.primitives.node import AXES
@@ -63,9 +64,9 @@ class PeriodicCell:
     """
 
     def __init__(self, model: Model, lattice: ArrayLike, images: ArrayLike | None = None) -> None:
-        self.model = model
+        self.model = require_instance(model, Model, "model", "PeriodicCell")
         self.dim = model.dim
-        given = np.atleast_2d(np.asarray(lattice, dtype=float))
+        given = np.atleast_2d(require_array(lattice, name="lattice", owner="PeriodicCell"))
         if given.ndim != 2 or given.shape[1] > self.dim or not 1 <= len(given) <= self.dim:
             raise ModelError(f"PeriodicCell: lattice must hold up to {self.dim} vectors, one a row, got {given.shape}")
         self.lattice = np.zeros((len(given), self.dim))
@@ -76,7 +77,7 @@ class PeriodicCell:
         self._axes = _strained_axes(self.lattice)
         position = model.positions()[:, : self.dim]
         self._near = 1e-6 * float(np.linalg.norm(self.lattice, axis=1).max())
-        self.images = self._found(position) if images is None else np.asarray(images, dtype=int)
+        self.images = self._found(position) if images is None else _checked_images(images, len(given), len(position))
         if self.images.ndim != 2 or self.images.shape[1] != 2 + len(given) or not len(self.images):
             raise ModelError("PeriodicCell: no node repeats another one; are the lattice vectors right?")
         off = position[self.images[:, 0]] - position[self.images[:, 1]] - self.shift_vectors
@@ -108,7 +109,7 @@ class PeriodicCell:
 
     def gradient(self, strain: ArrayLike) -> Array:
         """A mean displacement gradient (dim, dim) from itself, or from strains in the order of :meth:`stiffness`."""
-        given: Array = np.array(strain, dtype=float)
+        given = require_array(strain, name="strain", owner="PeriodicCell")
         pairs = self._pairs()
         if given.shape == (self.dim, self.dim):
             return given
@@ -141,6 +142,7 @@ class PeriodicCell:
         tuple
             The objects added: ties, and the Fix of a node that none repeats.
         """
+        constant = require_boolean(constant, "constant", "PeriodicCell.impose")
         gradient = self.gradient(strain)
         difference = self.shift_vectors @ gradient.T
         nodes = self.model.nodes
@@ -159,6 +161,9 @@ class PeriodicCell:
         Component (i, j) is the force along i on the face whose normal was j, over the undeformed measure of that
         face: [force / length] for a sheet or planar model.
         """
+        require_instance(results, Results, "results", "PeriodicCell.mean_stress")
+        if results.rest.shape != (len(self.model.nodes), 3):
+            raise ModelError("PeriodicCell.mean_stress: these results belong to another model")
         force = np.stack([results.reaction([int(k)]) for k in self.images[:, 0]], axis=1)[..., : self.dim]
         stress: Array = np.einsum("ski,kj->sij", force, self.shift_vectors) / self.measure
         return stress
@@ -217,6 +222,13 @@ class PeriodicCell:
         nodes = bare.nodes
         bare.add(Tie([nodes[k] for k in self.images[:, 0]], [nodes[k] for k in self.images[:, 1]], AXES[: self.dim]))
         return bare
+
+
+def _checked_images(images: ArrayLike, vectors: int, nodes: int) -> NDArray[np.int64]:
+    given = require_whole_array(images, (None, 2 + vectors), name="images", owner="PeriodicCell")
+    if given[:, :2].min() < 0 or given[:, :2].max() >= nodes:
+        raise ModelError(f"PeriodicCell: images must hold indices of nodes below {nodes} in their first two columns")
+    return given
 
 
 def _relax(stiffness: Any, load: Array) -> Array:

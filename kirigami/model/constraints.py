@@ -11,16 +11,15 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from kirigami.errors import ModelError
+from kirigami.primitives.checks import require_array, require_axes, require_boolean, require_finite
 from kirigami.primitives.kernel import Array, Kernel
-from kirigami.primitives.node import AXES, Node, axes_of, listed
+from kirigami.primitives.node import AXES, Node, listed
 from kirigami.primitives.parts import ModelObject, Numbering
 
 
 def values_for(value: ArrayLike, count: int, owner: str) -> Array:
     """A scalar or one value per node as an array (count,)."""
-    array = np.asarray(value, dtype=float)
-    if array.shape not in ((), (count,)) or not np.isfinite(array).all():
-        raise ModelError(f"{owner}: give one finite number, or one for each of the {count} nodes, got {value!r}")
+    array = require_array(value, (), (count,), name="displacement", owner=owner)
     values: Array = np.broadcast_to(array, (count,)).copy()
     return values
 
@@ -100,8 +99,8 @@ class Fix(Constraint):
 
     def __init__(self, nodes: Node | Iterable[Node], dofs: str = "xyz", clamp: bool = False) -> None:
         group = listed(nodes, "Fix")
-        values = {axis: np.zeros(len(group)) for axis in axes_of(dofs, "Fix")}
-        super().__init__(group, values, constant=True, clamp=clamp)
+        values = {axis: np.zeros(len(group)) for axis in require_axes(dofs, "Fix")}
+        super().__init__(group, values, constant=True, clamp=require_boolean(clamp, "clamp", "Fix"))
 
 
 class Prescribe(Constraint):
@@ -146,10 +145,16 @@ class Prescribe(Constraint):
         if not given:
             raise ModelError("Prescribe: give a displacement for at least one of x, y, z")
         values = {axis: values_for(value, len(group), f"Prescribe {axis}") for axis, value in given.items()}
-        super().__init__(group, values, constant=constant, clamp=clamp)
+        super().__init__(
+            group,
+            values,
+            constant=require_boolean(constant, "constant", "Prescribe"),
+            clamp=require_boolean(clamp, "clamp", "Prescribe"),
+        )
 
     def held(self, lam: float) -> Prescribe:
         """The same, constant at load factor `lam`."""
+        lam = require_finite(lam, "lam", "Prescribe.held")
         if self.constant:
             return self
         scaled = {axis: lam * value for axis, value in self._values.items()}
@@ -247,13 +252,14 @@ class Tie(Constraint):
             if follower is leader:
                 raise ModelError(f"Tie: {follower!r} cannot follow itself")
         given = {axis: value for axis, value in zip(AXES, (x, y, z)) if value is not None}
-        for axis in set(given) - set(axes_of(dofs, "Tie")):
+        for axis in set(given) - set(require_axes(dofs, "Tie")):
             raise ModelError(f"Tie: a difference is given along {axis}, which is not among the tied dofs {dofs!r}")
         values = {axis: values_for(given.get(axis, 0.0), len(group), f"Tie {axis}") for axis in dofs}
-        super().__init__(group, values, constant=constant, leaders=ahead)
+        super().__init__(group, values, constant=require_boolean(constant, "constant", "Tie"), leaders=ahead)
 
     def held(self, lam: float) -> Tie:
         """The same, constant at load factor `lam`."""
+        lam = require_finite(lam, "lam", "Tie.held")
         if self.constant:
             return self
         scaled = {axis: lam * value for axis, value in self._values.items()}

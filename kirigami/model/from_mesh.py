@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import warnings
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -12,7 +11,8 @@ from kirigami.elements.bend_hinge import BendHinge
 from kirigami.elements.mesh_bias import MeshBias
 from kirigami.elements.stiffness import Calibration, SheetConstants, bar_stiffness, hinge_stiffness
 from kirigami.errors import KirigamiWarning, ModelError
-from kirigami.primitives.checks import require_positive
+from kirigami.geometry.mesh import TriMesh
+from kirigami.primitives.checks import require_instance, require_positive
 from kirigami.primitives.material import Material
 from kirigami.primitives.node import Node
 from kirigami.primitives.parts import ModelObject
@@ -23,9 +23,6 @@ FOLD_BIAS = 0.3  # the same of bending and twisting, which meshes without a patt
 FREE = 0.1  # stiffness lost at free edges that is worth a warning
 SMOOTH = ("split", "shell")  # rungs that are right on any mesh
 
-if TYPE_CHECKING:
-    from kirigami.geometry.mesh import TriMesh
-
 
 def sheet_parts(
     mesh: TriMesh,
@@ -35,14 +32,16 @@ def sheet_parts(
     dim: int,
 ) -> tuple[list[Node], list[ModelObject], SheetConstants]:
     """The nodes and elements of a mesh, and the constants that the elements were made with."""
+    require_instance(mesh, TriMesh, "mesh", "Model.from_mesh", "make one with Sheet.mesh or TriMesh")
     thickness = mesh.thickness if thickness is None else thickness
     material = mesh.material if material is None else material
     if thickness is None or material is None:
         missing = "thickness" if thickness is None else "material"
         raise ModelError(f"Model.from_mesh: no {missing}: give it here or to the Sheet the mesh is made from")
     thickness = require_positive(thickness, "thickness", "Model.from_mesh")
-    if not isinstance(material, Material):
-        raise ModelError(f"Model.from_mesh: material must be a Material, got {material!r}")
+    require_instance(material, Material, "material", "Model.from_mesh")
+    if not np.isfinite(np.float64(material.E) * np.float64(thickness) ** 3):
+        raise ModelError(f"Model.from_mesh: the bending stiffness of thickness {thickness:g} overflows")
     calibration = Calibration.named(stiffness, material)
     nodes = [Node(*position) for position in mesh.nodes.tolist()]
     rung = stiffness if isinstance(stiffness, str) else "calibration"

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from kirigami.errors import ModelError
+from kirigami.primitives.checks import require_array, require_boolean, require_finite
 from kirigami.primitives.kernel import Array, Contribution, Kernel, displacement_of
 from kirigami.primitives.node import Node, listed
 from kirigami.primitives.parts import ModelObject, Numbering
@@ -52,12 +53,10 @@ class NodalLoad(Load):
     constant: bool
 
     def __init__(self, nodes: Node | Iterable[Node], force: ArrayLike, constant: bool = False) -> None:
-        vector = np.asarray(force, dtype=float)
-        if vector.shape not in ((2,), (3,)) or not np.isfinite(vector).all():
-            raise ModelError(f"NodalLoad: force must be two or three finite numbers, got {force!r}")
+        vector = require_array(force, (2,), (3,), name="force", owner="NodalLoad")
         object.__setattr__(self, "group", listed(nodes, "NodalLoad"))
         object.__setattr__(self, "force", tuple(np.append(vector, 0.0)[:3].tolist()))
-        object.__setattr__(self, "constant", bool(constant))
+        object.__setattr__(self, "constant", require_boolean(constant, "constant", "NodalLoad"))
 
     @property
     def nodes(self) -> tuple[Node, ...]:
@@ -65,6 +64,7 @@ class NodalLoad(Load):
 
     def held(self, lam: float) -> NodalLoad:
         """The same, constant at load factor `lam`."""
+        lam = require_finite(lam, "lam", "NodalLoad.held")
         return self if self.constant else NodalLoad(self.group, np.multiply(lam, self.force), constant=True)
 
     @classmethod

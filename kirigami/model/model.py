@@ -13,7 +13,16 @@ from numpy.typing import ArrayLike, NDArray
 
 from kirigami.deferred import deferred
 from kirigami.errors import GeometryError, ModelError
-from kirigami.primitives.checks import require_finite
+from kirigami.primitives.checks import (
+    require_array,
+    require_callable,
+    require_finite,
+    require_items,
+    require_text,
+    require_whole,
+    require_whole_array,
+    shown,
+)
 from kirigami.primitives.material import Material
 from kirigami.primitives.node import Node
 from kirigami.primitives.parts import KINDS, ModelObject
@@ -48,10 +57,10 @@ class Model:
     """
 
     def __init__(self, dim: int = 3, name: str = "") -> None:
-        if dim not in (2, 3):
-            raise ModelError(f"Model: dim must be 2 or 3, got {dim!r}")
-        self._dim = dim
-        self.name = name
+        self._dim = require_whole(dim, "dim", "Model")
+        if self._dim not in (2, 3):
+            raise ModelError(f"Model: dim must be 2 or 3, got {dim}")
+        self.name = require_text(name, "name", "Model")
         self.version = 0  # counts edits, so that a System made before an edit refuses to be used after it
         self.stage = 0  # counts hold(): the load factor starts from zero again in each stage
         self.stage_key = uuid4().hex  # what the steps of this model in this stage are known by
@@ -229,7 +238,7 @@ class Model:
             if isinstance(item, Node):
                 raise ModelError(f"{item!r} cannot be removed: nodes stay; leave it out when the model is made")
             if id(item) not in self._objects.get(getattr(item, "kind", ""), {}):
-                raise ModelError(f"{item!r} is not in the model, so it cannot be removed")
+                raise ModelError(f"{shown(item)} is not in the model, so it cannot be removed")
             if id(item) in going:
                 raise ModelError(f"{item!r} is listed twice: remove it once")
             going.add(id(item))
@@ -256,7 +265,7 @@ class Model:
         """
         lam, stage, key = (getattr(step, name, None) for name in ("lam", "stage", "stage_key"))
         if lam is None or stage is None:
-            raise ModelError(f"hold: give a step of results, such as results[-1], got {step!r}")
+            raise ModelError(f"hold: give a step of results, such as results[-1], got {shown(step)}")
         if stage != self.stage:
             raise ModelError(
                 f"hold: the step was found in stage {stage} of a model (counted by hold), but this model is in stage "
@@ -298,7 +307,7 @@ class Model:
         >>> b
         Node(1, 0, 0.1)
         """
-        offset = np.array(shape, dtype=float)  # a Mode turns into its shape
+        offset = require_array(shape, name="shape", owner="perturb")  # a Mode turns into its shape
         base, tip = self.normals
         own = np.setdiff1d(np.arange(len(self._nodes)), tip)
         if offset.shape[:1] == (len(self._nodes),):
@@ -310,8 +319,6 @@ class Model:
             offset = np.column_stack([offset, np.zeros(n)])
         if offset.shape != (n, 3):
             raise ModelError(f"perturb: the shape must have one row for each of the {n} nodes, got {offset.shape}")
-        if not np.isfinite(offset).all():
-            raise ModelError("perturb: the shape holds values that are not finite")
         if self.dim == 2 and np.any(offset[:, 2]):
             raise ModelError("perturb: a dim=2 model cannot take offsets in z")
         if amplitude is not None:
@@ -411,8 +418,10 @@ class Model:
         ModelError
             A node is not in the model.
         """
-        listed = [nodes] if isinstance(nodes, Node) else list(nodes)
+        listed = [nodes] if isinstance(nodes, Node) else require_items(nodes, "nodes", "Model.index")
         for node in listed:
+            if not isinstance(node, Node):
+                raise ModelError(f"Model.index: nodes must be nodes of the model, got {shown(node)}")
             if id(node) not in self._index:
                 raise ModelError(f"{node!r} is {self._whose(node)}")
         return np.array([self._index[id(node)] for node in listed], dtype=np.int64)
@@ -461,7 +470,7 @@ class Model:
         if box is not None:
             chosen &= self._inside(box, x)
         if where is not None:
-            mask = np.asarray(where(x[:, 0], x[:, 1], x[:, 2]))
+            mask = np.asarray(require_callable(where, "where", "select")(x[:, 0], x[:, 1], x[:, 2]))
             if mask.shape != (len(x),) or mask.dtype != bool:
                 raise ModelError("select: `where` must return one boolean for each node, such as lambda x, y, z: y > 1")
             chosen &= mask
@@ -469,14 +478,14 @@ class Model:
             if self.mesh is None:
                 raise ModelError("select: `boundary` needs a model made by Model.from_mesh")
             try:
-                named = self.mesh.boundary(boundary)
+                named = self.mesh.boundary(require_text(boundary, "boundary", "select"))
             except GeometryError as error:
                 raise ModelError(f"select: {error}") from None
             chosen &= np.isin(np.arange(len(x)), named)
         if index is not None:
-            wanted = np.atleast_1d(np.asarray(index))
-            if wanted.dtype.kind not in "iu" or (wanted.size and (wanted.min() < -len(x) or wanted.max() >= len(x))):
-                raise ModelError(f"select: indices must be integers below {len(x)}, got {index!r}")
+            wanted = require_whole_array(index, (), (None,), name="index", owner="select")
+            if wanted.min() < -len(x) or wanted.max() >= len(x):
+                raise ModelError(f"select: indices must be integers below {len(x)}, got {shown(index)}")
             chosen &= np.isin(np.arange(len(x)), wanted % len(x))
         found = np.flatnonzero(chosen)
         if not found.size:
@@ -489,9 +498,9 @@ class Model:
 
     @staticmethod
     def _inside(box: Sequence[float], x: Array) -> NDArray[np.bool_]:
-        limits = np.asarray(box, dtype=float)
+        limits = require_array(box, name="box", owner="select", finite=False)
         if limits.shape not in ((4,), (6,)) or np.isnan(limits).any():
-            raise ModelError(f"select: box must hold 4 or 6 numbers (all minima, then all maxima), got {box!r}")
+            raise ModelError(f"select: box must hold 4 or 6 numbers (all minima, then all maxima), got {shown(box)}")
         axes = len(limits) // 2
         slack = 1e-9 * (float(np.linalg.norm(np.ptp(x, axis=0))) or 1.0)
         part = x[:, :axes]

@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from kirigami.errors import ModelError
 from kirigami.plot import style
+from kirigami.primitives.checks import require_array, require_axis, require_choice
 
 if TYPE_CHECKING:
     from kirigami.primitives.node import Node
@@ -73,6 +74,7 @@ def plot_curve(
     >>> [text.get_text() for text in ax.get_legend().get_texts()]
     ['stable', 'unstable', 'limit point']
     """
+    require_axis(axis, "plot_curve")
     across, across_label = _abscissa(results, x, "plot_curve")
     if nodes is None and isinstance(x, str):
         raise ModelError("plot_curve: give nodes whose reaction is drawn, or x=(node, axis) for the load factor")
@@ -179,19 +181,14 @@ def _abscissa(results: Results, x: Any, owner: str) -> tuple[Floats, str]:
     if not len(results):
         raise ModelError(f"{owner}: the results hold no step")
     if isinstance(x, str):
-        if x != "lam":
-            raise ModelError(f"{owner}: x must be 'lam', (node, axis) or one value for each step, got {x!r}")
+        require_choice(x, ("lam",), "x", owner, or_else="(node, axis), or one value for each step")
         return results.lam, "load factor"
     if isinstance(x, tuple) and len(x) == 2 and isinstance(x[1], str):
         node, axis = x
-        if axis not in ("x", "y", "z"):
-            raise ModelError(f"{owner}: the axis in x must be 'x', 'y' or 'z', got {axis!r}")
+        require_axis(axis, owner, "the axis in x")
         index = results.node_index(node)
         return results.u[:, index, "xyz".index(axis)].mean(axis=1), f"displacement along {axis}"
-    values = np.asarray(x, dtype=float)
-    if values.shape != results.lam.shape:
-        raise ModelError(f"{owner}: x must hold one value for each of the {len(results)} steps, got {values.shape}")
-    return values, ""
+    return require_array(x, results.lam.shape, name="x", owner=owner), ""
 
 
 def _limit_points(results: Results) -> tuple[Results, NDArray[np.int64]]:

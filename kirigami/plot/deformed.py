@@ -9,6 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from kirigami.errors import ModelError
 from kirigami.plot import style
+from kirigami.primitives.checks import require_array, require_choice, require_finite, shown
 from kirigami.results.fields import energy_density
 
 if TYPE_CHECKING:
@@ -116,15 +117,15 @@ def chosen_view(results: Results, ax: Any, view: Any) -> style.View:
     looking = style.checked_view(view, "plot")
     if ax is not None and style.is_solid(ax) == (looking == "top"):
         need = "flat axes" if looking == "top" else "axes made with projection='3d'"
-        raise ModelError(f"plot: view={view!r} needs {need}")
+        raise ModelError(f"plot: view={shown(view)} needs {need}")
     return looking
 
 
 def displaced(results: Results, u: Floats, magnify: float = 1.0) -> Floats:
     """Positions (n, 3) with magnified displacements."""
-    if not np.isfinite(magnify):
-        raise ModelError(f"plot: magnify must be finite, got {magnify}")
-    points: Floats = results.rest + magnify * u
+    points: Floats = results.rest + require_finite(magnify, "magnify", "plot") * u
+    if not np.isfinite(points).all():
+        raise ModelError(f"plot: displacements magnified by {magnify:g} are beyond all numbers")
     return points
 
 
@@ -162,7 +163,7 @@ class Field:
             self.label = "energy"
         self._given: Floats | None = None
         if self.key == "given":
-            self._given = self._per_cell(np.asarray(given, dtype=float))
+            self._given = self._per_cell(require_array(given, name="color", owner="plot"))
             return
         known = [*LABELS, "none"] if mesh is None else ["height", "displacement", "energy", "none"]
         if self.key not in known:
@@ -209,14 +210,11 @@ class Picture:
         from matplotlib.cm import ScalarMappable
         from matplotlib.colors import Normalize
 
-        if edges not in EDGES:
-            raise ModelError(f"edges {edges!r} is unknown: use one of {', '.join(EDGES)}")
+        require_choice(edges, EDGES, "edges", "plot")
         self.ax = ax
         if cmap is None:
             cmap = style.diverging_map() if field.diverging else style.sequential_map()
         elif isinstance(cmap, str):
-            if cmap not in colormaps:
-                raise ModelError(f"cmap {cmap!r} is not a colour map of matplotlib")
             cmap = colormaps[cmap]
         self.mappable = ScalarMappable(Normalize(0, 1), cmap)
         self.symmetric = field.diverging

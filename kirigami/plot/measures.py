@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from kirigami.errors import ModelError
 from kirigami.plot import style
 from kirigami.plot.curves import _abscissa
+from kirigami.primitives.checks import require_array, require_text
 
 if TYPE_CHECKING:
     from kirigami.results.results import Results
@@ -113,9 +113,8 @@ def plot_measure(
     'height'
     """
     across, across_label = _abscissa(results, x, "plot_measure")
-    up = np.asarray(values, dtype=float)
-    if up.shape != results.lam.shape:
-        raise ModelError(f"plot_measure: give one value for each of the {len(results)} steps, got shape {up.shape}")
+    require_text(name, "name", "plot_measure")
+    up = require_array(values, results.lam.shape, name="values", owner="plot_measure", finite=False)
     shown = np.isfinite(up)
     ax = style.new_axes((4.4, 3.2)) if ax is None else ax
     ax.plot(across[shown], up[shown], color=color, linewidth=1.5, marker="o", markersize=2.6, label=label)

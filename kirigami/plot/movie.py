@@ -11,9 +11,16 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from kirigami.errors import ModelError
-from kirigami.files import file_path, library, whole_file
+from kirigami.files import library, whole_file
 from kirigami.plot import style
 from kirigami.plot.deformed import Field, Picture, chosen_view, displaced, frame, suitable_axes
+from kirigami.primitives.checks import (
+    require_callable,
+    require_path,
+    require_positive,
+    require_whole,
+    shown,
+)
 
 if TYPE_CHECKING:
     from kirigami.results.results import Results
@@ -23,6 +30,11 @@ Pixels = NDArray[np.uint8]  # (height, width, 3)
 Writer = Callable[[Path, list[Pixels], float], None]  # path, pictures, pictures per second
 
 LAST = 1  # seconds that the last picture stays
+
+
+MOST_FRAMES = 10_000
+MIN_FPS, MAX_FPS = 0.1, 240
+MIN_DPI, MAX_DPI = 10, 1000
 
 
 @style.styled
@@ -84,14 +96,21 @@ def animate(
     ...     kg.LoadControl(m).run().animate(folder + "/pull.gif", frames=2).name
     'pull.gif'
     """
-    target = file_path(path)
+    target = require_path(path, "path", "animate")
     ending = target.suffix.lower()
     if ending not in WRITERS:
         raise ModelError(f"animate writes {' and '.join(WRITERS)} files, not {target.name!r}")
-    if isinstance(frames, bool) or not isinstance(frames, (int, np.integer)) or frames < 2:
-        raise ModelError(f"animate: frames must be an integer of at least 2, got {frames!r}")
-    if not (np.isfinite(fps) and fps > 0):
-        raise ModelError(f"animate: fps must be positive, got {fps!r}")
+    frames = require_whole(frames, "frames", "animate", least=2)
+    if frames > MOST_FRAMES:
+        raise ModelError(f"animate: frames must be at most {MOST_FRAMES}, got {shown(frames)}")
+    fps, dpi = require_positive(fps, "fps", "animate"), require_positive(dpi, "dpi", "animate")
+    if not (MIN_FPS <= fps <= MAX_FPS and MIN_DPI <= dpi <= MAX_DPI):
+        raise ModelError(
+            f"animate: fps must lie between {MIN_FPS} and {MAX_FPS}, dpi between {MIN_DPI} and {MAX_DPI}, got {fps:g} "
+            f"and {dpi:g}"
+        )
+    if on_frame is not None:
+        require_callable(on_frame, "on_frame", "animate")
     if len(results) < 2:
         raise ModelError(f"animate needs at least two stored steps, the results hold {len(results)}")
     write = WRITERS[ending]()  # before the drawing, which would be in vain without its libraries

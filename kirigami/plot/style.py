@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import functools
+import importlib
+import inspect
 from collections.abc import Callable, Sequence
 from typing import Any, ParamSpec, TypeVar
 
@@ -10,6 +12,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kirigami.errors import ModelError
+from kirigami.primitives.checks import (
+    require_array,
+    require_boolean,
+    require_choice,
+    require_instance,
+    require_text,
+    shown,
+)
 
 INK = "#333333"
 GREY = "#9aa0a6"
@@ -44,21 +54,61 @@ DEFAULT_VIEW = (32.0, -62.0)  # elevation and azimuth in degrees
 View = str | tuple[float, float]
 Floats = NDArray[np.float64]
 
+OWN = {  # arguments that are objects of this package
+    "results": ("kirigami.results.results", "Results"),
+    "model": ("kirigami.model.model", "Model"),
+    "mesh": ("kirigami.geometry.mesh", "TriMesh"),
+}
+
 Parameters = ParamSpec("Parameters")
 Returned = TypeVar("Returned")
 
 
 def styled(draw: Callable[Parameters, Returned]) -> Callable[Parameters, Returned]:
-    """Let a function draw in this style without changing the settings of the session."""
+    """Let a function draw in this style without changing the settings of the session.
+
+    What the drawing functions have in common is checked here: axes, labels, colours, colour maps and switches.
+    """
+    signature = inspect.signature(draw)
 
     @functools.wraps(draw)
     def drawn(*args: Parameters.args, **options: Parameters.kwargs) -> Returned:
         import matplotlib
 
+        for name, value in signature.bind(*args, **options).arguments.items():
+            _check(name, value, signature.parameters[name].annotation, draw.__name__)
         with matplotlib.rc_context(SETTINGS):
             return draw(*args, **options)
 
     return drawn
+
+
+def _check(name: str, value: Any, annotation: Any, owner: str) -> None:
+    """Refuse what is no such argument of a drawing function; None is left to the function."""
+    if annotation == "bool":
+        require_boolean(value, name, owner)
+    elif name in OWN:
+        package, kind = OWN[name]
+        require_instance(value, getattr(importlib.import_module(package), kind), name, owner)
+    elif value is None:
+        return
+    elif name == "label":
+        require_text(value, name, owner)
+    elif name == "ax":
+        from matplotlib.axes import Axes
+
+        require_instance(value, Axes, name, owner, "matplotlib axes, or leave it out for a new figure")
+    elif name in ("fill", "cut_color") or (name == "color" and annotation == "Any"):
+        from matplotlib.colors import is_color_like, to_rgba
+
+        if not is_color_like(value) or not np.isfinite(to_rgba(value)).all():
+            raise ModelError(f"{owner}: {name} must be a colour of matplotlib, got {shown(value)}")
+    elif name == "cmap":
+        from matplotlib import colormaps
+        from matplotlib.colors import Colormap
+
+        if not isinstance(value, Colormap):
+            require_choice(value, colormaps, name, owner, or_else="a colour map of matplotlib")
 
 
 def new_axes(size: tuple[float, float], managed: bool = True) -> Any:
@@ -117,9 +167,10 @@ def checked_view(view: Any, owner: str) -> View:
     if isinstance(view, str):
         if view in ("top", "3d"):
             return DEFAULT_VIEW if view == "3d" else view
-    elif isinstance(view, Sequence) and len(view) == 2 and np.isfinite(np.asarray(view, dtype=float)).all():
-        return float(view[0]), float(view[1])
-    raise ModelError(f"{owner}: view must be 'top', '3d' or (elevation, azimuth) in degrees, got {view!r}")
+    elif isinstance(view, Sequence) and len(view) == 2:
+        elevation, azimuth = require_array(view, (2,), name="view", owner=owner).tolist()
+        return elevation, azimuth
+    raise ModelError(f"{owner}: view must be 'top', '3d' or (elevation, azimuth) in degrees, got {shown(view)}")
 
 
 def frame_flat(ax: Any, low: Floats, high: Floats) -> None:

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from kirigami.errors import ModelError
 from kirigami.plot import style
 from kirigami.plot.deformed import frame, suitable_axes
+from kirigami.primitives.checks import shown
 
 if TYPE_CHECKING:
     from kirigami.geometry.mesh import TriMesh
@@ -56,6 +57,8 @@ def plot_sheet(sheet: Sheet, ax: Any = None, fill: Any = style.PAPER, cut_color:
     """
     import shapely
 
+    if not hasattr(sheet, "outline") or not hasattr(sheet, "cuts"):
+        raise ModelError(f"plot_sheet: sheet must be a Sheet, got {shown(sheet)}")
     bounds = np.array(sheet.outline.bounds).reshape(2, 2)
     ax = flat_axes(ax, "plot_sheet", bounds)
     openings = [cut for cut in sheet.cuts if isinstance(cut, shapely.Polygon)]

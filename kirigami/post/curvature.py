@@ -18,9 +18,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from kirigami.errors import ModelError
 from kirigami.geometry.folds import fold_angles, fold_curvature_rates
-from kirigami.post.shape import check_flat, checked_positions, principal_values
+from kirigami.post.shape import check_flat, checked_mesh, checked_positions, principal_values
+from kirigami.primitives.checks import require_choice
 
 if TYPE_CHECKING:
     from kirigami.geometry.mesh import TriMesh
@@ -72,10 +72,10 @@ def curvature(positions: ArrayLike, mesh: TriMesh, kind: str = "mean", per: str 
     >>> bool(np.allclose(principal, (1e-4, -1e-4), rtol=1e-6))
     True
     """
+    checked_mesh(mesh, "curvature")
     points = checked_positions(positions, "curvature", len(mesh.nodes))
-    if kind not in KINDS or per not in ("facet", "node"):
-        known = ", ".join(KINDS)
-        raise ModelError(f"curvature: kind must be one of {known}, per 'facet' or 'node'; got {kind!r}, {per!r}")
+    require_choice(kind, KINDS, "kind", "curvature")
+    require_choice(per, ("facet", "node"), "per", "curvature")
     check_flat(mesh, "curvature")
     components = _Fit(mesh).components(points)
     if per == "node":

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from kirigami.errors import ModelError
+from kirigami.primitives.checks import require_array, require_mapping
 
 Floats = NDArray[np.float64]
 
@@ -38,7 +39,8 @@ def energy_shares(energy: Mapping[str, ArrayLike]) -> dict[str, Floats]:
     >>> shares["bars"].tolist(), shares["hinges"].tolist()
     ([0.0, 0.25], [0.0, 0.75])
     """
-    kinds = {name: np.asarray(values, dtype=float) for name, values in energy.items()}
+    given = require_mapping(energy, "energy", "energy_shares")
+    kinds = {name: require_array(values, (None,), name=name, owner="energy_shares") for name, values in given.items()}
     if not kinds:
         raise ModelError("energy_shares: there is no stored energy; the structure has no elements")
     shapes = {values.shape for values in kinds.values()}

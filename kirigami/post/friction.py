@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from kirigami.errors import ModelError
+from kirigami.primitives.checks import require_array
 
 
 def friction_coefficient(
@@ -54,12 +55,10 @@ def friction_coefficient(
     named = {"height": height, "density": density, "surface_factor": surface_factor}
     values = {}
     for name, value in {**named, "base": base, "engagement": engagement}.items():
-        try:
-            values[name] = np.asarray(value, dtype=float)
-        except (TypeError, ValueError):
-            raise ModelError(f"friction_coefficient: {name} must be a number or an array of numbers") from None
-        if not np.isfinite(values[name]).all() or (values[name] < 0).any():
-            raise ModelError(f"friction_coefficient: {name} must be finite and not negative")
+        single = ((),) if name in ("base", "engagement") else ()
+        values[name] = require_array(value, *single, name=name, owner="friction_coefficient")
+        if (values[name] < 0).any():
+            raise ModelError(f"friction_coefficient: {name} must not be negative")
     try:
         h, rho, share = np.broadcast_arrays(values["height"], values["density"], values["surface_factor"])
     except ValueError as error:

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from kirigami.errors import ModelError
+from kirigami.primitives.checks import require_array, require_boolean, require_items, require_whole_array
 
 Floats = NDArray[np.float64]
 
@@ -52,10 +53,11 @@ def open_area(positions: ArrayLike, cuts: Sequence[Any], union: bool = False) ->
     >>> open_area([square, 2 * square], [[0, 1, 2, 3], [0, 1, 2]], union=True).tolist()
     [2.0, 8.0]
     """
-    points = np.asarray(positions, dtype=float)
-    if points.ndim not in (2, 3) or points.shape[-1] not in (2, 3) or not np.isfinite(points).all():
-        raise ModelError(f"open_area: positions must be finite, of shape (s, n, 3) or (n, 3), got {points.shape}")
-    loops = [_checked_loop(cut, number, points.shape[-2]) for number, cut in enumerate(cuts)]
+    shapes = (None, 2), (None, 3), (None, None, 2), (None, None, 3)
+    points = require_array(positions, *shapes, name="positions", owner="open_area")
+    listed = require_items(cuts, "cuts", "open_area")
+    loops = [_checked_loop(cut, number, points.shape[-2]) for number, cut in enumerate(listed)]
+    require_boolean(union, "union", "open_area")
     steps = points[None] if points.ndim == 2 else points
     if union:
         area = np.array([_union_area(step, loops) for step in steps[..., :2]], dtype=float)
@@ -67,10 +69,10 @@ def open_area(positions: ArrayLike, cuts: Sequence[Any], union: bool = False) ->
 
 
 def _checked_loop(cut: Any, number: int, nodes: int) -> NDArray[np.int64]:
-    loop = np.asarray(getattr(cut, "loop", cut))
-    if loop.ndim != 1 or len(loop) < 3 or loop.dtype.kind not in "iu" or loop.min() < 0 or loop.max() >= nodes:
+    loop = require_whole_array(getattr(cut, "loop", cut), (None,), name=f"cut {number}", owner="open_area")
+    if len(loop) < 3 or loop.min() < 0 or loop.max() >= nodes:
         raise ModelError(f"open_area: cut {number} must list at least three node indices below {nodes}")
-    return loop.astype(np.int64)
+    return loop
 
 
 def _shoelace(loop: Floats) -> Floats:

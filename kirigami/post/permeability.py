@@ -10,6 +10,14 @@ from numpy.typing import ArrayLike, NDArray
 
 from kirigami.errors import AnalysisError, ModelError
 from kirigami.post.opening import open_area
+from kirigami.primitives.checks import (
+    require_array,
+    require_choice,
+    require_items,
+    require_whole,
+    require_whole_array,
+    shown,
+)
 
 Floats = NDArray[np.float64]
 LENGTHS = ("diameter", "half perimeter")
@@ -80,26 +88,25 @@ def slit_permeability(
     >>> abs(float(k) / ((0.1 / 1.1) ** 3 / 24) - 1) < 1e-12
     True
     """
-    points = np.asarray(positions, dtype=float)
+    points = _checked_positions(positions, "slit_permeability")
+    cuts = require_items(cuts, "cuts", "slit_permeability")
     area = np.clip(np.atleast_2d(open_area(points, cuts)), 0.0, None)
     steps = points if points.ndim == 3 else points[None]
-    total = np.asarray(sheet_area, dtype=float)
-    if total.shape not in ((), (len(steps),)) or not (np.isfinite(total) & (total > 0)).all():
+    total = require_array(sheet_area, (), (len(steps),), name="sheet_area", owner="permeability")
+    if not (total > 0).all():
         raise ModelError(f"permeability: sheet_area must be positive, one number or one for each of {len(steps)} steps")
     outlines = [steps[:, np.asarray(getattr(cut, "loop", cut)), :2] for cut in cuts]
     perimeter = _by_cut(outlines, _perimeter, len(steps))
     if not isinstance(length, str):
-        spans = np.asarray(length, dtype=float)
-        shapes = ((len(cuts),), area.shape)
-        if spans.shape not in shapes or not (np.isfinite(spans) & (spans >= 0)).all():
-            raise ModelError(f"permeability: length must be {' or '.join(map(repr, LENGTHS))}, or positive, of shape "
-                             f"{shapes[0]} or {shapes[1]}; got shape {spans.shape}")  # fmt: skip
+        spans = require_array(length, (len(cuts),), area.shape, name="length", owner="permeability")
+        if (spans < 0).any():
+            raise ModelError("permeability: length must not be negative")
     elif length == "diameter":
         spans = _by_cut(outlines, _diameter, len(steps))
     elif length == "half perimeter":
         spans = 0.5 * perimeter
     else:
-        raise ModelError(f"permeability: length must be {' or '.join(map(repr, LENGTHS))} or numbers, not {length!r}")
+        require_choice(length, LENGTHS, "length", "permeability", or_else="numbers")
     width = np.divide(2.0 * area, perimeter, out=np.zeros_like(area), where=perimeter > 0)
     k: Floats = (width**3 * spans).sum(axis=1) / 12.0 / total
     return k[0] if points.ndim == 2 else k
@@ -156,16 +163,21 @@ def permeability(
     >>> bool(abs(k[-1] / (0.5**3 / 12 / 9) - 1) < 1e-12)
     True
     """
-    mesh = results.mesh
+    mesh = getattr(results, "mesh", results)
+    if mesh is results:
+        raise ModelError(f"permeability: results must be the Results of an analysis, got {shown(results)}")
     if mesh is None:
         raise AnalysisError("permeability needs a model made by Model.from_mesh", results=results)
-    numbers = range(len(mesh.cuts)) if cuts is None else [int(number) for number in cuts]
+    numbers = (
+        range(len(mesh.cuts))
+        if cuts is None
+        else [require_whole(number, "cuts", "permeability") for number in require_items(cuts, "cuts", "permeability")]
+    )
     if any(not 0 <= number < len(mesh.cuts) for number in numbers):
         raise ModelError(f"permeability: cuts must be numbers below {len(mesh.cuts)}, got {list(numbers)}")
     chosen = [mesh.cuts[number] for number in numbers]
     if isinstance(sheet, str):
-        if sheet not in SHEETS:
-            raise ModelError(f"permeability: sheet must be {' or '.join(map(repr, SHEETS))} or numbers, not {sheet!r}")
+        require_choice(sheet, SHEETS, "sheet", "permeability", or_else="numbers")
         outlined = results.position() if sheet == "deformed" else results.rest[None]
         area: Any = outlined_area(outlined, mesh.triangles, mesh.cuts)
         sheet = area if sheet == "deformed" else area[0]
@@ -201,11 +213,20 @@ def outlined_area(positions: ArrayLike, triangles: ArrayLike, cuts: Sequence[Any
     >>> outlined_area([[(0, 0), (1, 0), (1, 1), (0, 1)]], [(0, 1, 2)], [[0, 2, 3]]).tolist()
     [1.0]
     """
-    points = np.asarray(positions, dtype=float)
-    a, b, c = (points[:, corner, :2] for corner in np.asarray(triangles).T)
+    points = _checked_positions(positions, "outlined_area")
+    points = points if points.ndim == 3 else points[None]
+    corners = require_whole_array(triangles, (None, 3), name="triangles", owner="outlined_area")
+    if corners.min() < 0 or corners.max() >= points.shape[1]:
+        raise ModelError(f"outlined_area: triangles must hold node indices below {points.shape[1]}")
+    a, b, c = (points[:, corner, :2] for corner in corners.T)
     facets = 0.5 * ((b - a)[..., 0] * (c - a)[..., 1] - (b - a)[..., 1] * (c - a)[..., 0])
     total: Floats = facets.sum(axis=1) + open_area(points, cuts).sum(axis=1)
     return total
+
+
+def _checked_positions(positions: ArrayLike, owner: str) -> Floats:
+    shapes = (None, 2), (None, 3), (None, None, 2), (None, None, 3)
+    return require_array(positions, *shapes, name="positions", owner=owner)
 
 
 def _by_cut(outlines: list[Floats], measure: Any, steps: int) -> Floats:

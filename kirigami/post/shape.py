@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from kirigami.errors import ModelError
+from kirigami.primitives.checks import require_array, require_axis, require_finite, require_instance
 
 if TYPE_CHECKING:
     from kirigami.geometry.mesh import TriMesh
@@ -87,7 +88,8 @@ def width(positions: ArrayLike, mesh: TriMesh, axis: str = "y", band: float = 0.
     >>> round(float(width(mesh.nodes * (0.9, 1.2, 1), mesh)), 12)
     1.8
     """
-    return _Band(mesh, axis, band, "width").widths(checked_positions(positions, "width", len(mesh.nodes)))
+    nodes = len(checked_mesh(mesh, "width").nodes)
+    return _Band(mesh, axis, band, "width").widths(checked_positions(positions, "width", nodes))
 
 
 def poisson_ratio(
@@ -133,6 +135,7 @@ def poisson_ratio(
     >>> round(float(poisson_ratio(mesh.nodes * (0.9, 1.2, 1), mesh)), 12)
     0.5
     """
+    checked_mesh(mesh, "poisson_ratio")
     points = checked_positions(positions, "poisson_ratio", len(mesh.nodes))
     measured = _Band(mesh, axis, band, "poisson_ratio")
     if strain is None:
@@ -140,12 +143,7 @@ def poisson_ratio(
             raise ModelError("poisson_ratio: a band without height has no strain; give a band above 0, or the strain")
         axial = measured.strains(points)
     else:
-        axial = np.asarray(strain, dtype=float)
-        if axial.shape != points.shape[:-2] or not np.isfinite(axial).all():
-            raise ModelError(
-                f"poisson_ratio: strain must hold one finite value for each step, shape {points.shape[:-2]}, "
-                f"got {axial.shape}"
-            )
+        axial = require_array(strain, points.shape[:-2], name="strain", owner="poisson_ratio")
     drawn = measured.widths(mesh.nodes)
     across = measured.widths(points) / drawn - 1
     stretched = np.abs(axial) >= 1e-12
@@ -159,14 +157,16 @@ def check_flat(mesh: TriMesh, owner: str) -> None:
         raise ModelError(f"{owner}: the drawing must be flat and level, but the nodes of the mesh differ in z")
 
 
+def checked_mesh(mesh: TriMesh, owner: str) -> TriMesh:
+    """A mesh, or a ModelError."""
+    from kirigami.geometry.mesh import TriMesh  # what draws no sheet needs none
+
+    return require_instance(mesh, TriMesh, "mesh", owner, "make one with Sheet.mesh or TriMesh")
+
+
 def checked_positions(positions: ArrayLike, owner: str, nodes: int | None = None) -> Floats:
     """Finite positions (s, n, 3) or (n, 3), or a ModelError."""
-    points = np.asarray(positions, dtype=float)
-    count = "n" if nodes is None else str(nodes)
-    if points.ndim not in (2, 3) or points.shape[-1] != 3 or not points.size or not np.isfinite(points).all():
-        raise ModelError(
-            f"{owner}: positions must be finite, of shape (s, {count}, 3) or ({count}, 3), got {points.shape}"
-        )
+    points = require_array(positions, (None, 3), (None, None, 3), name="positions", owner=owner)
     if nodes is not None and points.shape[-2] != nodes:
         raise ModelError(f"{owner}: the mesh has {nodes} nodes, but positions are given for {points.shape[-2]}")
     return points
@@ -176,8 +176,8 @@ class _Band:
     """Levels of the outline at mid height, each between two of its nodes, on the lower and on the upper side."""
 
     def __init__(self, mesh: TriMesh, axis: str, band: float, owner: str) -> None:
-        if axis not in ("x", "y"):
-            raise ModelError(f"{owner}: axis must be 'x' or 'y', got {axis!r}")
+        require_axis(axis, owner, axes="xy")
+        band = require_finite(band, "band", owner)
         if not 0 <= band <= 1:
             raise ModelError(f"{owner}: band must lie between 0 and 1, got {band!r}")
         check_flat(mesh, owner)

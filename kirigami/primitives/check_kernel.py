@@ -5,7 +5,11 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from kirigami.errors import ModelError
+from kirigami.primitives.checks import require_array, require_finite, require_instance, require_positive
 from kirigami.primitives.kernel import Array, Kernel, full_hessian
+
+LARGEST_STEP = 0.1  # differences over more say nothing of a derivative
 
 
 def check_kernel(kernel: Kernel, x: ArrayLike, lam: float = 1.0, step: float = 1e-6) -> dict[str, float]:
@@ -41,8 +45,14 @@ def check_kernel(kernel: Kernel, x: ArrayLike, lam: float = 1.0, step: float = 1
     >>> max(errors.values()) < 1e-6
     True
     """
-    x = np.array(x, dtype=float)
+    require_instance(kernel, Kernel, "kernel", "check_kernel")
+    lam, step = require_finite(lam, "lam", "check_kernel"), require_positive(step, "step", "check_kernel")
+    if step > LARGEST_STEP:
+        raise ModelError(f"check_kernel: step must be at most {LARGEST_STEP:g}, got {step:g}")
+    x = require_array(x, (None, 2), (None, 3), name="x", owner="check_kernel")
     conn = kernel.conn
+    if len(x) <= conn.max(initial=-1):
+        raise ModelError(f"check_kernel: x must have a row for each node, up to node {conn.max()}, got {len(x)} rows")
     n, k = conn.shape
     dim = x.shape[1]
     exact = kernel.evaluate(x, lam, 2)

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any
 
 from kirigami.errors import ModelError
+from kirigami.primitives.checks import require_finite, require_items, require_text, shown
 
 if TYPE_CHECKING:
     from weakref import ReferenceType
@@ -38,14 +38,12 @@ class Node:
     base: Node | None = None  # the node whose normal this one is the tip of (see kirigami.geometry.normals)
 
     def __init__(self, x: float, y: float, z: float = 0.0, *, name: str | None = None) -> None:
-        try:
-            position = (float(x), float(y), float(z))
-        except (TypeError, ValueError):
-            raise ModelError(f"Node: coordinates must be numbers, got ({x!r}, {y!r}, {z!r})") from None
-        if not all(map(math.isfinite, position)):
-            raise ModelError(f"Node: coordinates must be finite, got {position}")
-        self._position = position
-        self.name = name
+        self._position = (
+            require_finite(x, "coordinates", "Node"),
+            require_finite(y, "coordinates", "Node"),
+            require_finite(z, "coordinates", "Node"),
+        )
+        self.name = None if name is None else require_text(name, "name", "Node")
         self._owner: ReferenceType[Any] | None = None
 
     def __getstate__(self) -> tuple[dict[str, Any] | None, dict[str, Any]]:
@@ -85,16 +83,17 @@ AXES = "xyz"
 
 def listed(nodes: Node | Iterable[Node], owner: str) -> tuple[Node, ...]:
     """One node or many as a tuple, never empty."""
-    group = (nodes,) if isinstance(nodes, Node) else tuple(nodes)
+    group = (nodes,) if isinstance(nodes, Node) else tuple(require_items(nodes, "nodes", owner))
     if not group:
         raise ModelError(f"{owner}: the node selection is empty")
     for node in group:
         if not isinstance(node, Node):
-            raise ModelError(f"{owner}: expected nodes, got {node!r}; select nodes with Model.select")
+            raise ModelError(f"{owner}: expected nodes, got {shown(node)}; select nodes with Model.select")
     return group
 
 
-def axes_of(dofs: str, owner: str) -> str:
-    if not isinstance(dofs, str) or not dofs or set(dofs) - set(AXES) or len(set(dofs)) != len(dofs):
-        raise ModelError(f"{owner}: dofs must be letters out of 'xyz', each once, got {dofs!r}")
-    return dofs
+def require_nodes(owner: str, **nodes: Any) -> None:
+    """Each of the arguments is a Node."""
+    for name, node in nodes.items():
+        if not isinstance(node, Node):
+            raise ModelError(f"{owner}: {name} must be a Node, got {shown(node)}")

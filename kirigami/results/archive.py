@@ -16,6 +16,7 @@ import numpy as np
 from kirigami.elements.stiffness import Calibration, SheetConstants
 from kirigami.errors import AnalysisError
 from kirigami.files import whole_file
+from kirigami.primitives.checks import require_path
 from kirigami.primitives.material import Material
 from kirigami.results.results import Results
 from kirigami.results.step import Event, Step
@@ -138,6 +139,7 @@ def write(path: str | os.PathLike[str], arrays: dict[str, Any], compressed: bool
 
 def read(path: str | os.PathLike[str]) -> tuple[dict[str, Any], dict[str, Any]]:
     """Head and arrays of a file, or an AnalysisError that says what is wrong with it."""
+    path = require_path(path, "path", "kirigami.load", AnalysisError)
     try:
         with np.load(path, allow_pickle=False) as file:
             data = {key: file[key] for key in file.files}

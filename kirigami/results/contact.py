@@ -6,6 +6,7 @@ import numpy as np
 
 from kirigami.effects.contact import Contact, ContactKernel
 from kirigami.errors import ModelError
+from kirigami.primitives.checks import require_instance
 from kirigami.primitives.kernel import Array
 from kirigami.results.results import Results
 
@@ -30,7 +31,8 @@ def gaps(results: Results, contact: Contact | int | None = None) -> Array:
     ModelError
         The model had no contact, or not this one.
     """
-    return results.deformation(_contact(results), of=contact)
+    name = _contact(results)
+    return results.deformation(name, of=contact)
 
 
 def normal_forces(results: Results, contact: Contact | int | None = None) -> Array:
@@ -53,7 +55,8 @@ def normal_forces(results: Results, contact: Contact | int | None = None) -> Arr
     ModelError
         The model had no contact, or not this one.
     """
-    return results.force(_contact(results), of=contact)
+    name = _contact(results)
+    return results.force(name, of=contact)
 
 
 def penetration(results: Results, contact: Contact | int | None = None) -> Array:
@@ -76,6 +79,7 @@ def penetration(results: Results, contact: Contact | int | None = None) -> Array
 
 
 def _contact(results: Results) -> str:
+    require_instance(results, Results, "results", "contact")
     if not any(kernel.name == ContactKernel.name for kernel in results.kernels):
         raise ModelError("these results have no Contact: add one to the model")
     return ContactKernel.name

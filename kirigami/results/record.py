@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from contextlib import suppress
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, TypeVar
@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from kirigami.errors import AnalysisError, GeometryError, ModelError
 from kirigami.model.model import Model
+from kirigami.primitives.checks import require_items, require_whole_array, shown
 from kirigami.primitives.node import Node
 from kirigami.results.supports import Support, supports_of
 
@@ -102,8 +103,9 @@ class ModelRecord:
         """
         if isinstance(nodes, str):
             return self._named(nodes)
-        listed: Sequence[Any] = [nodes] if isinstance(nodes, (Node, int, np.integer)) else list(nodes)
-        if not len(listed):
+        single = isinstance(nodes, (Node, int, np.integer)) and not isinstance(nodes, bool)
+        listed: list[Any] = [nodes] if single else require_items(nodes, "nodes", "Results")
+        if not listed:
             raise ModelError("the node selection is empty")
         if any(isinstance(node, Node) for node in listed):
             if not self.nodes:
@@ -113,15 +115,14 @@ class ModelRecord:
                 )
             for node in listed:
                 if id(node) not in self._index:
-                    raise ModelError(f"{node!r} was not in the model when this run began, so its results know it not")
+                    raise ModelError(
+                        f"{shown(node)} was not in the model when this run began, so its results know it not"
+                    )
             return np.array([self._index[id(node)] for node in listed], dtype=np.int64)
-        try:
-            index = np.asarray(listed)
-        except ValueError:
-            index = np.empty(0)
+        index = require_whole_array(listed, (None,), name="node indices", owner="Results")
         count = len(self.rest)
-        if index.ndim != 1 or index.dtype.kind not in "iu" or index.min() < -count or index.max() >= count:
-            raise ModelError(f"node indices must be integers below {count}, got {nodes!r}")
+        if index.min() < -count or index.max() >= count:
+            raise ModelError(f"node indices must be integers below {count}, got {shown(nodes)}")
         return index
 
     def _named(self, name: str) -> NDArray[np.int64]:
@@ -139,9 +140,9 @@ class ModelRecord:
 
     def object_number(self, item: Any, count: int) -> int:
         """Number of an object among the `count` of its type in the model of the run; a number is taken as it is."""
-        if isinstance(item, (int, np.integer)):
+        if isinstance(item, (int, np.integer)) and not isinstance(item, bool):
             if not 0 <= item < count:
-                raise ModelError(f"there is no object {item}: they are counted from 0 to {count - 1}")
+                raise ModelError(f"there is no object {shown(item)}: they are counted from 0 to {count - 1}")
             return int(item)
         alike = [other for other in self.objects if type(other) is type(item)]
         for number, other in enumerate(alike):

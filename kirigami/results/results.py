@@ -7,10 +7,11 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from kirigami.deferred import deferred
 from kirigami.errors import AnalysisError, ModelError
+from kirigami.primitives.checks import require_array, require_axis, require_boolean, require_text, require_whole
 from kirigami.primitives.kernel import Array, Configuration, Kernel, hessian_product
 from kirigami.primitives.node import AXES, Node
 from kirigami.results.record import ModelRecord, Nodes
@@ -78,11 +79,12 @@ class Results(ModelRecord):
     def step_number(self, step: int, owner: str) -> int:
         """The number of a stored step, or a ModelError that says which there are."""
         count = len(self)
-        if isinstance(step, bool) or not isinstance(step, (int, np.integer)) or not -count <= step < count:
+        number = require_whole(step, "step", owner)
+        if not -count <= number < count:
             raise ModelError(
-                f"{owner}: step {step!r} is not stored: the results hold steps 0 to {count - 1}, or -{count} to -1"
+                f"{owner}: step {number} is not stored: the results hold steps 0 to {count - 1}, or -{count} to -1"
             )
-        return int(step)
+        return number
 
     def append(self, step: Step) -> None:
         """Store one more step; derived quantities are computed anew when asked for."""
@@ -250,19 +252,12 @@ class Results(ModelRecord):
         ModelError
             Empty selection, nodes that were not in the model of the run, or an unknown axis.
         """
+        direction = None if axis is None else _direction(axis)
         carried = carried_by(self.node_index(nodes), self.supports, len(self.rest))
         total: Array = np.where(carried, self._gradients, 0.0).sum(axis=1)
-        if axis is None:
+        if direction is None:
             return total
-        if isinstance(axis, str):
-            if axis not in tuple(AXES):
-                raise ModelError(f"reaction: axis must be 'x', 'y' or 'z', or a direction, got {axis!r}")
-            component: Array = total[:, AXES.index(axis)]
-            return component
-        along = np.asarray(axis, dtype=float)
-        if along.shape not in ((2,), (3,)) or not np.isfinite(along).all() or not along.any():
-            raise ModelError(f"reaction: a direction is 2 or 3 finite numbers that are not all zero, got {axis!r}")
-        component = total[:, : len(along)] @ (along / np.linalg.norm(along))
+        component: Array = total[:, : len(direction)] @ direction
         return component
 
     @cached_property
@@ -361,6 +356,7 @@ class Results(ModelRecord):
 
     def _known_kernel(self, name: str) -> str:
         kinds = {kernel.name for kernel in self.kernels}
+        require_text(name, "name", "Results.deformation")
         if name not in kinds:
             tells = sorted({k.name for k in self.kernels if type(k).deformation is not Kernel.deformation})
             sheet = "; stress() and energy serve every sheet" if self.mesh is not None else ""
@@ -429,7 +425,7 @@ class Results(ModelRecord):
 
         if self.mesh is None:
             raise AnalysisError("open_area needs a model made by Model.from_mesh", results=self)
-        return open_area(self.position(), self.mesh.cuts, union=union)
+        return open_area(self.position(), self.mesh.cuts, union=require_boolean(union, "union", "open_area"))
 
     # ---- looking
 
@@ -484,3 +480,13 @@ class Results(ModelRecord):
     to_vtk = deferred("kirigami.io.vtk:write_vtk")
     to_html = deferred("kirigami.io.html:to_html")
     to_surface = deferred("kirigami.io.surface:write_surface")
+
+
+def _direction(axis: str | ArrayLike) -> Array:
+    """Unit vector of an axis letter, or of a direction."""
+    if isinstance(axis, str):
+        return np.asarray(np.eye(3)[AXES.index(require_axis(axis, "reaction"))])
+    along = require_array(axis, (2,), (3,), name="axis", owner="reaction")
+    if not along.any():
+        raise ModelError("reaction: the direction must not be zero")
+    return np.asarray(along / np.linalg.norm(along))

@@ -7,8 +7,8 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import ArrayLike
 
-from kirigami.errors import ModelError
 from kirigami.model.model import Model
+from kirigami.primitives.checks import require_array, require_finite, require_instance
 from kirigami.primitives.kernel import Array
 
 
@@ -84,15 +84,12 @@ class Step:
         ModelError
             Wrong shape, or values that are not finite.
         """
-        given = np.asarray(u, dtype=float)
-        n = len(model.nodes)
-        if given.ndim != 2 or given.shape[0] != n or given.shape[1] not in (model.dim, 3):
-            raise ModelError(f"Step.at: u must have shape ({n}, 3), got {given.shape}")
-        if not np.isfinite(given).all() or not np.isfinite(lam):
-            raise ModelError("Step.at: lam and u must be finite")
+        n = len(require_instance(model, Model, "model", "Step.at").nodes)
+        lam = require_finite(lam, "lam", "Step.at")
+        given = require_array(u, (n, 3), (n, model.dim), name="u", owner="Step.at")
         full = np.zeros((n, 3))
         full[:, : given.shape[1]] = given
-        return cls(lam=float(lam), u=full, stage=model.stage, stage_key=model.stage_key)
+        return cls(lam=lam, u=full, stage=model.stage, stage_key=model.stage_key)
 
     def __repr__(self) -> str:
         state = {None: "stability not counted", 0: "stable"}.get(self.negative, f"{self.negative} negative eigenvalues")

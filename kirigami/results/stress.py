@@ -26,7 +26,7 @@ from numpy.typing import NDArray
 
 from kirigami.errors import AnalysisError, ModelError
 from kirigami.post.shape import check_flat, principal_values
-from kirigami.primitives.checks import require_positive
+from kirigami.primitives.checks import require_choice, require_instance, require_positive, require_whole
 from kirigami.primitives.material import Material
 from kirigami.results.sheet_state import SheetState, StateReader
 
@@ -100,8 +100,7 @@ class SheetStress:
         ModelError
             Another name of a fibre.
         """
-        if fibre not in FIBRES:
-            raise ModelError(f"stress: fibre must be one of {', '.join(FIBRES)}, got {fibre!r}")
+        require_choice(fibre, FIBRES, "fibre", "stress")
         t = self.thickness
         return np.asarray(self.force / t - 12 * FIBRES[fibre] / t**2 * self.moment)
 
@@ -176,6 +175,12 @@ def sheet_stress(
     ModelError
         No such step, no thickness or material, or a mesh that is not flat.
     """
+    from kirigami.results.results import Results
+
+    require_instance(results, Results, "results", "stress")
+    thickness = None if thickness is None else require_positive(thickness, "thickness", "stress")
+    material = None if material is None else require_instance(material, Material, "material", "stress")
+    step = None if step is None else require_whole(step, "step", "stress")
     mesh = results.mesh
     if mesh is None:
         raise AnalysisError("stress needs a model made by Model.from_mesh", results=results)
@@ -201,13 +206,12 @@ def sheet_stress(
 
 def checked_values(stress: SheetStress, kind: Any, fibre: str) -> tuple[Floats, str]:
     """Values of one kind of stress, and what to call them."""
+    require_choice(kind, ("largest", "smallest", "von Mises"), "kind", "stress")
     if kind == "largest":
         return stress.principal(fibre)[..., 0], f"largest principal stress, {fibre}"
     if kind == "smallest":
         return stress.principal(fibre)[..., 1], f"smallest principal stress, {fibre}"
-    if kind == "von Mises":
-        return stress.von_mises(fibre), f"von Mises stress, {fibre}"
-    raise ModelError(f"stress: kind must be 'largest', 'smallest' or 'von Mises', got {kind!r}")
+    return stress.von_mises(fibre), f"von Mises stress, {fibre}"
 
 
 def plot_stress(

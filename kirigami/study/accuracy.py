@@ -17,7 +17,16 @@ from kirigami.analysis.path.methods import DisplacementControl
 from kirigami.elements.stiffness import RUNGS
 from kirigami.errors import ModelError
 from kirigami.model.model import Model
-from kirigami.primitives.checks import require_positive
+from kirigami.primitives.checks import (
+    require_array,
+    require_boolean,
+    require_callable,
+    require_choice,
+    require_items,
+    require_mapping,
+    require_path,
+    require_positive,
+)
 from kirigami.primitives.kernel import Array
 from kirigami.primitives.node import Node
 from kirigami.results.results import Results
@@ -59,6 +68,8 @@ class AccuracyStudy:
 
     def values(self, row: Mapping[str, Any], quantity: str) -> Array:
         """A quantity of one run at each load factor (k,); nan where the run did not get there."""
+        require_choice(quantity, QUANTITIES, "quantity", "AccuracyStudy")
+        require_mapping(row, "row", "AccuracyStudy")
         found = [row.get(_column(quantity, lam)) for lam in self.at]
         return np.array([np.nan if value in (None, "") else float(value) for value in found])
 
@@ -67,13 +78,16 @@ class AccuracyStudy:
 
         Heights and areas are compared with their largest reference value, forces each with its own.
         """
-        if quantity not in QUANTITIES:
-            raise ModelError(f"quantity must be one of {QUANTITIES}, got {quantity!r}")
+        require_choice(quantity, QUANTITIES, "quantity", "AccuracyStudy")
+        if require_mapping(row, "row", "AccuracyStudy").get("status") is None:
+            raise ModelError("AccuracyStudy: row must be a row of the table of the study")
         known = np.isfinite(self.reference[quantity])
         if row["status"] != "done" or not known.any() or row["design"] == self.own:
             return float("nan")
         wanted = self.reference[quantity][known]
         scale = np.abs(wanted) if quantity == "force" else np.abs(wanted).max()
+        if not np.all(scale > 0):  # nothing to compare with, as the open area of a sheet without cuts
+            return float("nan")
         return float(np.max(np.abs(self.values(row, quantity)[known] - wanted) / scale))
 
     def front(self, quantity: str = "force") -> list[dict[str, Any]]:
@@ -93,7 +107,7 @@ class AccuracyStudy:
         A line such as ``2 % in force: split, max_edge 0.12, 6.1 s (error 1.4 %)``.
         """
         error = require_positive(error, "error", "recommend")
-        name = quantity.replace("_", " ")
+        name = require_choice(quantity, QUANTITIES, "quantity", "recommend").replace("_", " ")
         front = self.front(quantity)
         if not front:
             return f"{name}: no run reached the end and can be compared"
@@ -136,7 +150,12 @@ class AccuracyStudy:
         """
         from kirigami.study.accuracy_picture import draw_accuracy
 
-        return draw_accuracy(self, others or {})
+        given = require_mapping({} if others is None else others, "others", "AccuracyStudy.plot")
+        for name, points in given.items():
+            for quantity, point in require_mapping(points, name, "AccuracyStudy.plot").items():
+                require_choice(quantity, QUANTITIES, name, "AccuracyStudy.plot")
+                require_array(point, (2,), name=f"{quantity} of {name}", owner="AccuracyStudy.plot")
+        return draw_accuracy(self, given)
 
 
 def accuracy(
@@ -202,17 +221,19 @@ def accuracy(
     >>> print(study.recommend(0.05)[:12])
     5 % in force
     """
-    load_factors = np.array(sorted({float(lam) for lam in at}))
-    edges = [require_positive(size, "size", "accuracy") for size in sizes]
-    rungs, limits = list(stiffness), [require_positive(tol, "tol", "accuracy") for tol in tolerances]
+    require_callable(case, "case", "accuracy")
+    path = require_path(path, "path", "accuracy")
+    require_boolean(progress, "progress", "accuracy")
+    load_factors = np.unique(require_array(at, (None,), name="at", owner="accuracy"))
+    edges = [require_positive(size, "size", "accuracy") for size in require_items(sizes, "sizes", "accuracy")]
+    rungs = [
+        require_choice(rung, RUNGS, "stiffness", "accuracy")
+        for rung in require_items(stiffness, "stiffness", "accuracy")
+    ]
+    limits = [require_positive(tol, "tol", "accuracy") for tol in require_items(tolerances, "tolerances", "accuracy")]
     if not edges or not rungs or not limits or not load_factors.size or load_factors[0] <= 0:
         raise ModelError("accuracy: give at least one size, one stiffness, one tolerance and one positive load factor")
-    unknown = [rung for rung in rungs if rung not in RUNGS]
-    if unknown:
-        raise ModelError(f"accuracy: stiffness {unknown[0]!r} is unknown: use some of {RUNGS}")
-    designs = [
-        {"stiffness": rung, "max_edge": edge, "tol": tol} for tol in limits for rung in rungs for edge in edges
-    ]
+    designs = [{"stiffness": rung, "max_edge": edge, "tol": tol} for tol in limits for rung in rungs for edge in edges]
     if reference is None:
         designs.append({"stiffness": rungs[-1], "max_edge": FINER * min(edges), "tol": min(limits)})
     given = None if reference is None else read_reference(reference, load_factors)  # a slip must not cost the runs
@@ -267,10 +288,11 @@ def read_reference(
 ) -> dict[str, Array]:
     """Reference values at the load factors, between those given by linear interpolation."""
     if isinstance(reference, Mapping):
-        columns = {name: np.asarray(values, dtype=float) for name, values in reference.items()}
+        given = require_mapping(reference, "reference", "accuracy")
+        columns = {name: require_array(values, (None,), name=name, owner="accuracy") for name, values in given.items()}
         owner = "the reference"
     else:
-        owner = str(reference)
+        owner = str(require_path(reference, "reference", "accuracy"))
         try:
             with open(reference, newline="") as file:
                 rows = list(csv.DictReader(line for line in file if not line.startswith("#")))

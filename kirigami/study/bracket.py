@@ -5,8 +5,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from kirigami.elements.stiffness import RUNGS
 from kirigami.errors import ModelError
-from kirigami.primitives.checks import require_positive
+from kirigami.primitives.checks import require_choice, require_items, require_positive, shown
 from kirigami.study.accuracy import Case
 from kirigami.study.mesh_choice import ALIKE, RATIO, MeshRun, run_case, shape_distance
 
@@ -136,14 +137,15 @@ def bracket(
     >>> len(band.runs), band.low <= band.value <= band.high
     (4, True)
     """
-    if isinstance(stiffness, str) or len(stiffness) != 2 or stiffness[0] == stiffness[1]:
-        raise ModelError(f"bracket: stiffness must name two different rungs, got {stiffness!r}")
+    rungs = [
+        require_choice(rung, RUNGS, "stiffness", "bracket") for rung in require_items(stiffness, "stiffness", "bracket")
+    ]
+    if len(rungs) != 2 or rungs[0] == rungs[1]:
+        raise ModelError(f"bracket: stiffness must name two different rungs, got {shown(stiffness)}")
     if not require_positive(ratio, "ratio", "bracket") > 1:
         raise ModelError(f"bracket: ratio must be more than 1, got {ratio:g}")
     fine = require_positive(max_edge, "max_edge", "bracket")
-    runs = tuple(
-        run_case(case, size, rung, at, quantity, "bracket") for rung in stiffness for size in (ratio * fine, fine)
-    )
+    runs = tuple(run_case(case, size, rung, at, quantity, "bracket") for rung in rungs for size in (ratio * fine, fine))
     first_coarse, first, second_coarse, second = (run.value for run in runs)
     low, high = sorted((first, second))
     gap, gap_coarse = first - second, first_coarse - second_coarse

@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike
 from kirigami.analysis.modes import Mode
 from kirigami.analysis.path.methods import DisplacementControl
 from kirigami.model.model import Model
+from kirigami.primitives.checks import require_instance
 from kirigami.study.imperfections import Build, ImperfectionStudy, imperfections
 
 
@@ -76,6 +77,7 @@ def branches(
     >>> [case.branch for case in study.cases]
     [1, 1]
     """
+    require_instance(model, Model, "model", "branches")
     amplitudes = None if amplitude is None else [amplitude]
     if amplitudes is None and model.sheet_constants is not None:
         amplitudes = [0.1 * model.sheet_constants.thickness]

@@ -20,6 +20,7 @@ from kirigami.elements.mesh_bias import free_compliance, stress_along
 from kirigami.elements.stiffness import Calibration, SheetConstants
 from kirigami.errors import KirigamiWarning, ModelError
 from kirigami.model.model import Model
+from kirigami.primitives.checks import require_instance
 from kirigami.primitives.kernel import Array, Configuration, Kernel, full_hessian
 from kirigami.primitives.material import Material
 from kirigami.system.system import System
@@ -98,9 +99,7 @@ class EffectiveProperties:
 
     def off(self, tolerance: float = 0.2) -> list[str]:
         """Names of the properties that differ from the material's by more than `tolerance` in some direction."""
-        return [
-            name for name, (_, low, high) in self.ratios.items() if max(abs(low - 1), abs(high - 1)) > tolerance
-        ]
+        return [name for name, (_, low, high) in self.ratios.items() if max(abs(low - 1), abs(high - 1)) > tolerance]
 
     def __str__(self) -> str:
         lines = [f"mesh with stiffness {self.stiffness!r}, over the material's value (mean, smallest to largest)"]
@@ -155,6 +154,7 @@ def report(
     """
     from kirigami.geometry.mesh import TriMesh
 
+    require_instance(mesh, TriMesh, "mesh", "stiffness.report")
     if np.ptp(mesh.nodes[:, 2]) > FLAT * mesh.size:
         raise ModelError("stiffness.report: the mesh is not flat; give it the mesh before folding or perturbing it")
     flat = TriMesh(mesh.nodes, mesh.triangles, thickness=mesh.thickness, material=mesh.material)

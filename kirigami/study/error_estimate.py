@@ -19,11 +19,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kirigami.errors import AnalysisError, ModelError
-from kirigami.primitives.checks import require_positive
+from kirigami.primitives.checks import require_instance, require_positive, require_whole
+from kirigami.results.results import Results
 
 if TYPE_CHECKING:
     from kirigami.geometry.mesh import TriMesh
-    from kirigami.results.results import Results
     from kirigami.results.stress import SheetStress
 
 Floats = NDArray[np.float64]
@@ -88,6 +88,7 @@ class ErrorEstimate:
 
     def worst(self, count: int = 5) -> Floats:
         """Places (count, 2) in the drawing of the facets with the largest errors, the largest first [length]."""
+        count = require_whole(count, "count", "ErrorEstimate.worst", least=1)
         chosen = np.argsort(-self.facets)[:count]
         return np.asarray(self._mesh.nodes[self._mesh.triangles[chosen], :2].mean(axis=1))
 
@@ -207,6 +208,8 @@ def estimate_error(results: Results, step: int = -1) -> ErrorEstimate:
     ModelError
         No such step, or a mesh that is not flat.
     """
+    require_instance(results, Results, "results", "estimate_error")
+    step = require_whole(step, "step", "estimate_error")
     if results.mesh is None:
         raise AnalysisError("estimate_error needs a model made by Model.from_mesh", results=results)
     stress = results.stress(step)

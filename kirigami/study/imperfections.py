@@ -22,7 +22,16 @@ from kirigami.analysis.path.methods import DisplacementControl
 from kirigami.errors import KirigamiError, KirigamiWarning, ModelError
 from kirigami.files import whole_file
 from kirigami.model.model import Model
-from kirigami.primitives.checks import require_positive
+from kirigami.primitives.checks import (
+    require_axes,
+    require_callable,
+    require_instance,
+    require_items,
+    require_path,
+    require_positive,
+    require_whole,
+    shown,
+)
 from kirigami.primitives.kernel import Array
 from kirigami.primitives.rigid import rigid_motions
 from kirigami.results.results import Results
@@ -115,9 +124,10 @@ class ImperfectionStudy:
         ModelError
             There is no such branch.
         """
+        branch = require_whole(branch, "branch", "ImperfectionStudy.final")
         found = [(case.amplitude, k) for k, case in enumerate(self.cases) if case.branch == branch and branch]
         if not found:
-            raise ModelError(f"there is no branch {branch!r}: the study found {len(self.branches)}")
+            raise ModelError(f"there is no branch {shown(branch)}: the study found {len(self.branches)}")
         results = self.results[min(found)[1]]
         assert results is not None
         return results
@@ -127,7 +137,8 @@ class ImperfectionStudy:
         names = [field.name for field in fields(Case)]
         rows = [astuple(case) for case in self.cases]
         if path is not None:
-            with whole_file(path) as unfinished, open(unfinished, "w", newline="", encoding="utf-8") as file:
+            target = require_path(path, "path", "ImperfectionStudy.table")
+            with whole_file(target) as unfinished, open(unfinished, "w", newline="", encoding="utf-8") as file:
                 csv.writer(file).writerows([names, *rows])
         return {name: [row[k] for row in rows] for k, name in enumerate(names)}
 
@@ -183,8 +194,8 @@ def seeds(model: Model, n: int = 6) -> list[Array]:
     >>> (fold[:, 2] / fold[0, 2]).round(6).tolist()
     [1.0, -1.0, 1.0, -1.0]
     """
-    if not isinstance(n, (int, np.integer)) or n < 1:
-        raise ModelError(f"seeds: n must be a positive number of modes, got {n!r}")
+    require_instance(model, Model, "model", "seeds")
+    n = require_whole(n, "n", "seeds", least=1)
     rest = model.positions()
     size = float(np.linalg.norm(np.ptp(rest, axis=0)))
     flat = model.dim == 3 and bool(np.ptp(rest[:, 2]) <= FLAT * size)
@@ -283,17 +294,30 @@ def imperfections(
     >>> len(study.cases), list(study.branches)
     (4, [1])
     """
-    shapes = seeds(model, modes) if isinstance(modes, (int, np.integer)) else [_full(model, s) for s in modes]
+    require_instance(model, Model, "model", "imperfections")
+    if folder is not None:
+        folder = require_path(folder, "folder", "imperfections")
+    require_callable(analysis, "analysis", "imperfections")
+    alike = require_positive(alike, "alike", "imperfections")
+    signs = require_items(signs, "signs", "imperfections")
+    if not isinstance(mirrors, str) or mirrors:
+        require_axes(mirrors, "imperfections", "mirrors")
+    if executor is not None and not hasattr(executor, "submit"):
+        raise ModelError(f"imperfections: executor must be a concurrent.futures.Executor, got {shown(executor)}")
+    if isinstance(modes, (int, np.integer)):
+        shapes = seeds(model, modes)
+    else:
+        shapes = [_full(model, shape) for shape in require_items(modes, "modes", "imperfections")]
     if amplitudes is None:
         if model.sheet_constants is None:
             raise ModelError("imperfections: give amplitudes; only sheets have a thickness to measure them by")
         amplitudes = [share * model.sheet_constants.thickness for share in (0.1, 0.01, 0.001)]
-    sizes = [require_positive(a, "amplitude", "imperfections") for a in amplitudes]
-    if not shapes or not sizes or not len(signs) or any(sign not in (1, -1) for sign in signs):
+    listed = require_items(amplitudes, "amplitudes", "imperfections")
+    sizes = [require_positive(a, "amplitude", "imperfections") for a in listed]
+    signs = [require_whole(sign, "signs", "imperfections") for sign in signs]
+    if not shapes or not sizes or not signs or any(sign not in (1, -1) for sign in signs):
         raise ModelError("imperfections: give at least one shape, one amplitude and one sign, which is 1 or -1")
-    if any(axis not in "xyz" for axis in mirrors):
-        raise ModelError(f"imperfections: mirrors must be axes such as 'xy', got {mirrors!r}")
-    cases = [Case(mode, int(sign), size) for mode in range(1, len(shapes) + 1) for size in sizes for sign in signs]
+    cases = [Case(mode, sign, size) for mode in range(1, len(shapes) + 1) for size in sizes for sign in signs]
     work = [(model, shapes[case.mode - 1], case, analysis, folder) for case in cases]
     answers = [_run(*job) for job in work] if executor is None else _in_executor(executor, work)
     rows, results = [row for row, _ in answers], [res for _, res in answers]

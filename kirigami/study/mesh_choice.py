@@ -15,8 +15,14 @@ import numpy as np
 
 from kirigami.analysis.path.methods import DisplacementControl
 from kirigami.elements.stiffness import RUNGS
-from kirigami.errors import AnalysisError, ModelError
-from kirigami.primitives.checks import require_positive
+from kirigami.errors import AnalysisError
+from kirigami.primitives.checks import (
+    require_between,
+    require_callable,
+    require_choice,
+    require_positive,
+    require_whole,
+)
 from kirigami.primitives.kernel import Array
 from kirigami.primitives.node import Node
 from kirigami.results.results import Results
@@ -205,8 +211,9 @@ def choose_mesh(
     (True, True)
     """
     error = require_positive(error, "error", "choose_mesh")
+    most = require_whole(most, "most", "choose_mesh", least=1)
     start = require_positive(start, "start", "choose_mesh")
-    given = None if order is None else require_positive(order, "order", "choose_mesh")
+    given = None if order is None else require_between(order, 0.1, 10.0, "order", "choose_mesh")
     runs = [run_case(case, size, stiffness, at, quantity, "choose_mesh") for size in (start, start / RATIO)]
     _same_branch(runs[0], runs[1], "choose_mesh")
     mesh = runs[1].results.mesh
@@ -271,10 +278,9 @@ def observed_order(sizes: Sequence[float] | Array, values: Sequence[float] | Arr
 
 def run_case(case: Case, max_edge: float, stiffness: str, at: float, quantity: str, owner: str) -> MeshRun:
     """Run a case to a load factor, and take the value there."""
-    if quantity not in QUANTITIES:
-        raise ModelError(f"{owner}: quantity must be one of {', '.join(QUANTITIES)}, got {quantity!r}")
-    if stiffness not in RUNGS:
-        raise ModelError(f"{owner}: stiffness {stiffness!r} is unknown: use one of {', '.join(RUNGS)}")
+    require_callable(case, "case", owner)
+    require_choice(quantity, QUANTITIES, "quantity", owner)
+    require_choice(stiffness, RUNGS, "stiffness", owner)
     at = require_positive(at, "at", owner)
     begin = time.process_time()
     model, nodes, axis = case(require_positive(max_edge, "max_edge", owner), stiffness)

@@ -16,7 +16,14 @@ from kirigami.errors import ConvergenceError, KirigamiWarning, ModelError
 from kirigami.geometry.mesh import TriMesh
 from kirigami.geometry.sheet import Sheet
 from kirigami.model.model import Model
-from kirigami.primitives.checks import require_finite, require_positive
+from kirigami.primitives.checks import (
+    require_boolean,
+    require_callable,
+    require_choice,
+    require_finite,
+    require_positive,
+    require_whole,
+)
 from kirigami.primitives.kernel import Array
 from kirigami.primitives.material import Material
 from kirigami.primitives.node import Node
@@ -126,14 +133,18 @@ def stretch(
     >>> round(float(res.reaction(res.grips["moved"], "y")[-1]), 1)
     4.0
     """
-    say = say or _in_silence
+    say = _in_silence if say is None else require_callable(say, "say", "stretch")
+    require_boolean(cycle, "cycle", "stretch")
+    require_boolean(progress, "progress", "stretch")
+    if nodes is not None:
+        require_whole(nodes, "nodes", "stretch", least=1)
     level = _level(accuracy)
     sheet, strain = _checked(sheet, strain, thickness, material)
     grips = find_grips(sheet, direction, None if grip is None else require_finite(grip, "grip", "stretch"))
     say(f"{'strips' if grips.strip else 'edges'} held at the {' and '.join(grips.names)}")
     mesh = default_mesh(sheet, grips, level.nodes if nodes is None else nodes, max_edge)
     say(f"{len(mesh.nodes)} nodes, {len(mesh.triangles)} facets" if mesh.sizing is None else f"mesh: {mesh.sizing}")
-    model, held, moved = held_model(mesh, grips, strain, stiffness or level.stiffness)
+    model, held, moved = held_model(mesh, grips, strain, level.stiffness if stiffness is None else stiffness)
     _imperfect(model, amplitude)
     grip_nodes = {"held": model.index(held), "moved": model.index(moved)}
     targets = [*STORED, *STORED[-2::-1]] if cycle else list(STORED)
@@ -169,8 +180,7 @@ def pulled_sheet(
 
 
 def _level(accuracy: str) -> Level:
-    if not isinstance(accuracy, str) or accuracy not in ACCURACY:
-        raise ModelError(f"accuracy must be {', '.join(map(repr, ACCURACY))}, got {accuracy!r}")
+    require_choice(accuracy, ACCURACY, "accuracy", "stretch")
     return ACCURACY[accuracy]
 
 

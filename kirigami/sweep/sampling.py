@@ -8,12 +8,12 @@ from typing import Any
 import numpy as np
 
 from kirigami.errors import ModelError
-from kirigami.primitives.checks import require_finite
+from kirigami.primitives.checks import require_finite, require_mapping, require_whole, shown
+
+MOST = 10_000_000  # designs; more is a slip
 
 
-def latin_hypercube(
-    ranges: Mapping[str, tuple[float, float]], n: int, *, seed: int
-) -> list[dict[str, float | int]]:
+def latin_hypercube(ranges: Mapping[str, tuple[float, float]], n: int, *, seed: int) -> list[dict[str, float | int]]:
     """Designs by Latin hypercube sampling: each of n equal shares of every range holds exactly one design.
 
     Parameters
@@ -50,9 +50,13 @@ def latin_hypercube(
     """
     from scipy.stats import qmc
 
+    require_mapping(ranges, "ranges", "latin_hypercube")
     if not ranges:
         raise ModelError("latin_hypercube: give at least one range, such as {'stretch': (0.05, 0.2)}")
-    count, start = _whole(n, "n", 1), _whole(seed, "seed", 0)
+    count = require_whole(n, "n", "latin_hypercube", least=1)
+    start = require_whole(seed, "seed", "latin_hypercube", least=0)
+    if count > MOST:
+        raise ModelError(f"latin_hypercube: n must be at most {MOST}, got {shown(n)}")
     bounds = {name: _bounds(name, limits) for name, limits in ranges.items()}
     random = np.random.default_rng(start)
     try:
@@ -71,19 +75,13 @@ def latin_hypercube(
     return designs
 
 
-def _whole(value: Any, name: str, least: int) -> int:
-    if isinstance(value, bool) or not isinstance(value, (int, np.integer)) or value < least:
-        raise ModelError(f"latin_hypercube: {name} must be a whole number of at least {least}, got {value!r}")
-    return int(value)
-
-
 def _bounds(name: str, limits: Any) -> tuple[float, float, bool]:
     if not isinstance(name, str):
-        raise ModelError(f"latin_hypercube: parameters are named by words, not by {name!r}")
+        raise ModelError(f"latin_hypercube: parameters are named by words, not by {shown(name)}")
     if isinstance(limits, (str, bytes)) or not hasattr(limits, "__len__") or len(limits) != 2:
-        raise ModelError(f"latin_hypercube: the range of {name} must be (low, high), got {limits!r}")
+        raise ModelError(f"latin_hypercube: the range of {name} must be (low, high), got {shown(limits)}")
     whole = all(isinstance(limit, (int, np.integer)) and not isinstance(limit, bool) for limit in limits)
     low, high = (require_finite(limit, f"the range of {name}", "latin_hypercube") for limit in limits)
     if low > high or (low == high and not whole):
-        raise ModelError(f"latin_hypercube: the range of {name} must rise, got {limits!r}")
+        raise ModelError(f"latin_hypercube: the range of {name} must rise, got {shown(limits)}")
     return low, high, whole

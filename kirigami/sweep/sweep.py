@@ -15,6 +15,14 @@ from typing import Any
 import numpy as np
 
 from kirigami.errors import KirigamiWarning, ModelError
+from kirigami.primitives.checks import (
+    require_boolean,
+    require_callable,
+    require_finite,
+    require_items,
+    require_whole,
+    shown,
+)
 from kirigami.sweep.table import RESERVED, Row, SweepLog, SweepTable, log_path
 from kirigami.sweep.workers import Runner, failure, name_of, plain, runner_for
 
@@ -80,14 +88,11 @@ class Sweep:
         *,
         seed: int = 0,
     ) -> None:
-        if not callable(function):
-            raise ModelError(f"Sweep: the first argument must be a function, got {function!r}")
-        if isinstance(seed, bool) or not isinstance(seed, (int, np.integer)) or seed < 0:
-            raise ModelError(f"Sweep: seed must be a whole number of at least 0, got {seed!r}")
-        self.function = function
+        self.function = require_callable(function, "function", "Sweep")
+        seed = require_whole(seed, "seed", "Sweep", least=0)
         self.designs = _plain_designs(designs)
         self.path = log_path(path)
-        self.seeds = [design.get("seed", _seed(int(seed), number)) for number, design in enumerate(self.designs)]
+        self.seeds = [design.get("seed", _seed(seed, number)) for number, design in enumerate(self.designs)]
         self._seeded = _takes(function, self.designs[0])
 
     def run(
@@ -128,8 +133,16 @@ class Sweep:
         ModelError
             `executor` is none, the function cannot be sent to it, or it returns a name that is a parameter.
         """
-        if workers is not None and (isinstance(workers, bool) or not isinstance(workers, int) or workers < 1):
-            raise ModelError(f"Sweep.run: workers must be a whole number of at least 1, got {workers!r}")
+        if executor is not None and not hasattr(executor, "submit"):
+            raise ModelError(
+                f"Sweep.run: executor must be a concurrent.futures.Executor or a Dask client, got {shown(executor)}"
+            )
+        if workers is not None:
+            workers = require_whole(workers, "workers", "Sweep.run", least=1)
+        require_boolean(progress, "progress", "Sweep.run")
+        require_boolean(retry_failed, "retry_failed", "Sweep.run")
+        if time_limit is not None:
+            time_limit = require_finite(time_limit, "time_limit", "Sweep.run")
         header = {"function": name_of(self.function), "designs": self.designs, "seeds": self.seeds}
         with SweepLog(self.path, header) as log:
             if log.repaired:
@@ -149,9 +162,7 @@ class Sweep:
             _warn(f"{early}: {len(table.missing)} of {len(table)} designs are missing; run again to go on")
         return table
 
-    def _compute(
-        self, runner: Runner, log: SweepLog, todo: list[int], progress: bool, time_limit: float | None
-    ) -> str:
+    def _compute(self, runner: Runner, log: SweepLog, todo: list[int], progress: bool, time_limit: float | None) -> str:
         """Send out designs and write down what comes back; why it ended early, or nothing."""
         begin = written = time.monotonic()
         waiting, suspects = deque(todo), deque[int]()
@@ -220,17 +231,17 @@ def _plain_designs(designs: Any) -> list[Row]:
             raise ModelError("Sweep: two columns of the designs have the same name")
         designs = designs.to_dict("records")
     elif isinstance(designs, Mapping):
-        columns = {name: list(values) for name, values in designs.items()}
+        columns = {name: require_items(values, str(name), "Sweep") for name, values in designs.items()}
         if len({len(values) for values in columns.values()}) > 1:
             raise ModelError("Sweep: the columns of the designs differ in length")
         designs = [dict(zip(columns, values)) for values in zip(*columns.values())]
-    listed = list(designs)
+    listed = require_items(designs, "designs", "Sweep")
     if not listed:
         raise ModelError("Sweep: there are no designs")
     checked = []
     for number, design in enumerate(listed):
         if not isinstance(design, Mapping) or not design:
-            raise ModelError(f"Sweep: design {number} must be a mapping of parameters to values, got {design!r}")
+            raise ModelError(f"Sweep: design {number} must be a mapping of parameters to values, got {shown(design)}")
         if set(design) != set(listed[0]):
             name = sorted(map(str, set(design) ^ set(listed[0])))[0]
             raise ModelError(f"Sweep: every design needs the same parameters, but {name!r} is not in both of design 0 "

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from kirigami.errors import AnalysisError, ModelError
 from kirigami.files import whole_file
+from kirigami.primitives.checks import require_instance, require_items, require_path, require_text
 
 RESERVED = ("design", "status", "error", "seconds", "version")
 Row = dict[str, Any]
@@ -46,8 +47,11 @@ class SweepTable:
     """
 
     def __init__(self, rows: Sequence[Row], columns: Sequence[str] | None = None) -> None:
-        self.rows = list(rows)
-        self.columns = list(columns if columns is not None else self.rows[0] if self.rows else ())
+        owner = "SweepTable"
+        self.rows = [require_instance(row, dict, "rows", owner) for row in require_items(rows, "rows", owner)]
+        first = self.rows[0] if self.rows else {}
+        named = list(first) if columns is None else require_items(columns, "columns", owner)
+        self.columns = [require_text(name, "columns", "SweepTable") for name in named]
 
     @classmethod
     def read(cls, path: str | os.PathLike[str]) -> SweepTable:
@@ -87,7 +91,7 @@ class SweepTable:
         return np.array([row[name] for row in self.rows])
 
     def _with_status(self, status: str) -> SweepTable:
-        return SweepTable([row for row in self.rows if row["status"] == status], self.columns)
+        return SweepTable([row for row in self.rows if row.get("status") == status], self.columns)
 
     @property
     def done(self) -> SweepTable:
@@ -110,7 +114,7 @@ class SweepTable:
         lines = [f"{len(self)} designs: {len(self.done)} done, {len(self.failed)} failed, {len(self.missing)} missing"]
         if seconds:
             lines[0] += f"; {sum(seconds):.1f} s of computing, at most {max(seconds):.1f} s for a design"
-        lines += [f"design {row['design']} failed: {row['error']}" for row in self.failed]
+        lines += [f"design {row.get('design')} failed: {row.get('error') or 'no reason told'}" for row in self.failed]
         return "\n".join(lines)
 
     def __repr__(self) -> str:
@@ -226,7 +230,7 @@ class SweepLog:
 
 def log_path(path: str | os.PathLike[str]) -> Path:
     """The path of the log that goes with a table."""
-    stem = Path(path)
+    stem = require_path(path, "path", "Sweep")
     if stem.suffix in (".csv", ".jsonl", ".parquet"):
         stem = stem.with_suffix("")
     if not stem.name:

@@ -132,8 +132,6 @@ def runner_for(executor: Any, function: Callable[..., Any], workers: int | None,
                 f"script ({error})"
             ) from error
     if executor is not None:
-        if not hasattr(executor, "submit"):
-            raise ModelError(f"Sweep.run: {executor!r} is neither a concurrent.futures.Executor nor a Dask client")
         yield Runner(executor)
         return
     available = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1

@@ -16,6 +16,7 @@ from numpy.typing import ArrayLike
 
 from kirigami.errors import MechanismError, ModelError
 from kirigami.model.model import Model
+from kirigami.primitives.checks import require_array, require_boolean, require_finite, require_instance
 from kirigami.primitives.kernel import EXACT, Array, Configuration, Kernel, Tangent, hessian_blocks
 from kirigami.primitives.parts import Numbering
 from kirigami.system.assembly import BlockPlan, Index, PickPlan, compiled_largest_turn, scatter_add, twins
@@ -64,6 +65,7 @@ class System(Unknowns):
     """
 
     def __init__(self, model: Model) -> None:
+        require_instance(model, Model, "model", "System")
         if not model.nodes:
             raise ModelError("the model has no nodes: add nodes and elements before an analysis")
         if not model.elements:
@@ -168,7 +170,8 @@ class System(Unknowns):
 
     def energies(self, u: Array, lam: float = 0.0) -> dict[str, float]:
         """Energy of each kind of kernel at displacements `u` (n, dim or 3)."""
-        x = self.configuration(u)
+        lam = require_finite(lam, "lam", "System.energies")
+        x = self.configuration(self._checked(u, "System.energies"))
         totals: dict[str, float] = {}
         for kernel in self.kernels:
             totals[kernel.name] = totals.get(kernel.name, 0.0) + float(kernel.evaluate(x, lam, 0).energy.sum())
@@ -205,7 +208,13 @@ class System(Unknowns):
 
     def gradient(self, u: ArrayLike, lam: float = 0.0) -> Array:
         """Gradient of the total potential (n, 3) at displacements `u` (n, 3): internal minus external forces."""
-        return self.parted(self.forces(np.asarray(u, dtype=float), lam)[0])[0]
+        lam = require_finite(lam, "lam", "System.gradient")
+        return self.parted(self.forces(self._checked(u, "System.gradient"), lam)[0])[0]
+
+    def _checked(self, u: ArrayLike, owner: str) -> Array:
+        """Displacements given by a user."""
+        shapes = ((rows, columns) for rows in {self.points, len(self.rest)} for columns in {self.dim, 3})
+        return require_array(u, *shapes, name="u", owner=owner)
 
     def potential_rate(self, u: Array, lam: float) -> float:
         """Change of the total potential with the load factor at an equilibrium: what the drive works."""
@@ -298,7 +307,9 @@ class System(Unknowns):
             True: over the unknowns (free, free). False: over all displacements, index dim * node + axis.
         """
         self.check_version()
-        state = np.zeros(self.rest.shape) if u is None else np.asarray(u, dtype=float)
+        lam = require_finite(lam, "lam", "System.stiffness")
+        require_boolean(constrained, "constrained", "System.stiffness")
+        state = np.zeros(self.rest.shape) if u is None else self._checked(u, "System.stiffness")
         blocks = self.stiffness_blocks(state, lam)
         if constrained:
             return self.matrix(blocks)

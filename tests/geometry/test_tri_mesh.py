@@ -113,7 +113,7 @@ def test_equilateral_angles():
         ([*SQUARE, (5, 5)], HALVES, "node 4"),
         ([*SQUARE, (0.5, 2)], [(0, 1, 2), (0, 2, 3), (0, 2, 4)], "belongs to 3 facets"),
         ([(0, 0), (1, 0), (0.5, 1), (0.5, 2)], [(0, 1, 2), (0, 1, 3)], "overlap"),
-        (SQUARE, np.array(HALVES, float), "integers"),
+        (SQUARE, np.array(HALVES, float), "whole numbers"),
         (SQUARE[:, :1], HALVES, "shape"),
     ],
 )

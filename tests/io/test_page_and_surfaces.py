@@ -76,7 +76,7 @@ def test_page_of_a_large_result_stays_below_ten_megabytes(tmp_path: Path) -> Non
 
 
 def test_bad_arguments_of_the_page(strip: kg.Results, tmp_path: Path) -> None:
-    with pytest.raises(kg.ModelError, match="frames must be 2"):
+    with pytest.raises(kg.ModelError, match="frames must be a whole number of at least 2"):
         to_html(strip, tmp_path / "x.html", frames=1)
     with pytest.raises(kg.AnalysisError, match="no steps"):
         to_html(kg.Results(kg.System(strip.model)), tmp_path / "x.html")

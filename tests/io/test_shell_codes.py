@@ -149,9 +149,9 @@ def test_what_cannot_be_handed_over_is_refused(write, tmp_path: Path) -> None:
         write(kg.Model(), path)
     with pytest.raises(kg.ModelError, match="targets must be finite load factors"):
         write(m, path, targets=[0.5, 0.5])
-    with pytest.raises(kg.ModelError, match="increments must be 1 or more"):
+    with pytest.raises(kg.ModelError, match="increments must be a whole number of at least 1"):
         write(m, path, increments=0)
-    with pytest.raises(kg.ModelError, match="element must be one of S3"):
+    with pytest.raises(kg.ModelError, match="element must be one of 'S3'"):
         to_abaqus(m, path, element="S4")
     assert not list(tmp_path.iterdir())
 

@@ -9,8 +9,9 @@ from collections.abc import Iterable
 from kirigami.analysis.path.checkpoint import Checkpoint, fingerprint
 from kirigami.analysis.path.settings import PathSettings
 from kirigami.analysis.path.walk import Recorder, Walk
-from kirigami.errors import ConvergenceError, KirigamiWarning, ModelError
+from kirigami.errors import ConvergenceError, KirigamiWarning
 from kirigami.linalg import one_thread
+from kirigami.primitives.checks import require_boolean, require_callable, require_choice, require_items, require_path
 from kirigami.progress import progress_bar
 from kirigami.results.results import Results
 from kirigami.results.step import Event
@@ -60,12 +61,16 @@ class PathAnalysis(PathSettings):
         AnalysisError
             The checkpoint belongs to another model or analysis, or is damaged; it is left as it is.
         """
-        if on_failure not in ("raise", "return"):
-            raise ModelError(f"on_failure must be 'raise' or 'return', got {on_failure!r}")
-        walk = self._make_walk(recorders)
+        owner = f"{type(self).__name__}.run"
+        require_choice(on_failure, ("raise", "return"), "on_failure", owner)
+        require_boolean(progress, "progress", owner)
+        require_boolean(resume, "resume", owner)
+        file = None if checkpoint is None else require_path(checkpoint, "checkpoint", owner)
+        listeners = [require_callable(one, "recorders", owner) for one in require_items(recorders, "recorders", owner)]
+        walk = self._make_walk(listeners)
         stored = None
-        if checkpoint is not None:
-            walk.checkpoint = Checkpoint(checkpoint, fingerprint(walk.system, self))
+        if file is not None:
+            walk.checkpoint = Checkpoint(file, fingerprint(walk.system, self))
             stored = walk.checkpoint.read() if resume else None
         results = walk.results
         with one_thread(), progress_bar(progress, type(self).__name__) as walk.bar:

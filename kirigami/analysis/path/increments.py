@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from kirigami.analysis.path.points import Attempt
-from kirigami.errors import ModelError
+from kirigami.primitives.checks import require_array
 
 WANTED_ITERATIONS = 6  # increments grow or shrink towards this many corrections
 SHORT = 0.02  # share of the largest increment below which one counts as short
@@ -98,10 +98,7 @@ def checked_targets(targets: ArrayLike | None, owner: str) -> list[float]:
     """Targets as numbers in the order given, which is the order in which they are met."""
     if targets is None:
         return []
-    try:
-        values = np.atleast_1d(np.asarray(targets))
-        if values.dtype.kind not in "iuf" or values.ndim != 1 or not np.isfinite(values).all():
-            raise ValueError
-    except (ValueError, TypeError, OverflowError):
-        raise ModelError(f"{owner}: targets must be a list of finite numbers, got {targets!r}") from None
-    return [float(value) for value in values]
+    if isinstance(targets, (list, tuple)) and not targets:
+        return []
+    values: list[float] = np.atleast_1d(require_array(targets, (), (None,), name="targets", owner=owner)).tolist()
+    return values

@@ -19,7 +19,7 @@ from kirigami.analysis.path.points import Point
 from kirigami.analysis.path.stable import FIRST
 from kirigami.errors import ModelError
 from kirigami.model.model import Model
-from kirigami.primitives.checks import require_finite
+from kirigami.primitives.checks import require_callable, require_choice, require_finite, require_whole, shown
 from kirigami.primitives.node import AXES, Node
 from kirigami.results.results import Results
 from kirigami.results.step import Event, Step
@@ -202,8 +202,8 @@ class DisplacementControl(_RangeAnalysis):
         super().__init__(model, to, targets, step, tol, start, on_instability, branch, corrector)
         if control is not None:
             node, axis = control if isinstance(control, (tuple, list)) and len(control) == 2 else (None, None)
-            if not isinstance(node, Node) or axis not in tuple(AXES[: model.dim]):
-                raise ModelError(f"control must be a node and an axis, such as (node, 'y'), got {control!r}")
+            if not isinstance(node, Node) or not isinstance(axis, str) or axis not in tuple(AXES[: model.dim]):
+                raise ModelError(f"control must be a node and an axis, such as (node, 'y'), got {shown(control)}")
         self.single = control
 
     def make_control(self, system: System) -> Control:
@@ -272,16 +272,12 @@ class ArcLength(PathAnalysis):
         branch: int | None = None,
     ) -> None:
         super().__init__(model, tol, start, on_instability, branch)
-        if arc not in ("cylindrical", "spherical"):
-            raise ModelError(f"ArcLength: arc must be 'cylindrical' or 'spherical', got {arc!r}")
-        self.arc = arc
+        self.arc = require_choice(arc, ("cylindrical", "spherical"), "arc", "ArcLength")
         self.step = require_finite(step, "step", "ArcLength")
         if self.step == 0:
             raise ModelError("ArcLength: step must not be zero")
-        if not isinstance(max_steps, (int, np.integer)) or max_steps < 1:
-            raise ModelError(f"ArcLength: max_steps must be a positive integer, got {max_steps!r}")
-        self.max_steps = int(max_steps)
-        self.stop = stop
+        self.max_steps = require_whole(max_steps, "max_steps", "ArcLength", least=1)
+        self.stop = None if stop is None else require_callable(stop, "stop", "ArcLength")
 
     def make_control(self, system: System) -> Control:
         require_drive(system, type(self).__name__)

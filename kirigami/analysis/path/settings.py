@@ -11,7 +11,7 @@ from kirigami.analysis.path.increments import Increments
 from kirigami.analysis.path.points import Point
 from kirigami.errors import ModelError
 from kirigami.model.model import Model
-from kirigami.primitives.checks import require_positive
+from kirigami.primitives.checks import require_choice, require_positive, require_whole, shown
 from kirigami.primitives.kernel import Array
 from kirigami.results.results import Results
 from kirigami.results.step import Event, Step
@@ -36,14 +36,10 @@ class PathSettings(Analysis):
     ) -> None:
         super().__init__(model)
         owner = type(self).__name__
-        if on_instability not in ON_INSTABILITY:
-            raise ModelError(f"{owner}: on_instability must be one of {ON_INSTABILITY}, got {on_instability!r}")
-        self.on_instability = on_instability
-        if corrector not in CORRECTORS:
-            raise ModelError(f"{owner}: corrector must be one of {tuple(CORRECTORS)}, got {corrector!r}")
-        self.corrector = corrector
+        self.on_instability = require_choice(on_instability, ON_INSTABILITY, "on_instability", owner)
+        self.corrector = require_choice(corrector, CORRECTORS, "corrector", owner)
         self.tol = require_positive(tol, "tol", owner)
-        self.branch = branch
+        self.branch = None if branch is None else require_whole(branch, "branch", owner)
         self.mode: Array | None = None
         if branch is not None and (branch not in (1, -1) or getattr(start, "kind", "") != "bifurcation"):
             raise ModelError(f"{owner}: branch=+1 or -1 goes with start=event, a located bifurcation of results.events")
@@ -53,7 +49,7 @@ class PathSettings(Analysis):
             self.mode = start.mode
             start = start.located
         if start is not None and not isinstance(start, Step):
-            raise ModelError(f"{owner}: start must be a Step, such as results[-1], or an Event, got {start!r}")
+            raise ModelError(f"{owner}: start must be a Step, such as results[-1], or an Event, got {shown(start)}")
         self.start = start
 
     def goes_downhill(self, control: Control) -> bool:

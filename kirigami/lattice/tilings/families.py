@@ -8,7 +8,7 @@ import numpy as np
 
 from kirigami.errors import GeometryError
 from kirigami.lattice.tilings.tiling import Tiling
-from kirigami.primitives.checks import require_finite, require_positive
+from kirigami.primitives.checks import require_array, require_finite, require_positive
 from kirigami.primitives.kernel import Array
 
 
@@ -38,7 +38,7 @@ def rotating_squares(angle: float, side: float = 1.0) -> Tiling:
     Periodic tiling of 4 panels with 8 joints 32.0
     """
     _within(angle, 0.0, math.pi, "rotating_squares: angle")
-    require_positive(side, "side", "rotating_squares")
+    side = require_positive(side, "side", "rotating_squares")
     c, s = math.cos(angle / 2), math.sin(angle / 2)
     spacing = side * (c + s)
     # Joint to the right of square (i, j) and joint above it, seen from the centre of the square.
@@ -90,7 +90,7 @@ def square_rhombus(angle: float, side: float = 1.0) -> Tiling:
     Tiling of 7 panels with 6 joints
     """
     _within(angle, -math.pi / 8, math.pi / 8, "square_rhombus: angle")
-    require_positive(side, "side", "square_rhombus")
+    side = require_positive(side, "side", "square_rhombus")
     diagonal = math.sqrt(2) * side
     half_corner = math.pi / 4 - abs(angle) / 2
     link = 2 * side * math.cos(half_corner) * np.array([math.cos(angle), math.sin(angle)])
@@ -105,9 +105,7 @@ def square_rhombus(angle: float, side: float = 1.0) -> Tiling:
     return _along_x(points, [square, rhombus], np.array([row, top]))
 
 
-def kagome(
-    angle: float, sides: tuple[float, float, float] = (0.8, 0.6, 1.0), side: float = 1.0
-) -> Tiling:
+def kagome(angle: float, sides: tuple[float, float, float] = (0.8, 0.6, 1.0), side: float = 1.0) -> Tiling:
     """Equilateral and scalene triangles joined at corners: a deformed kagome lattice with a soft twist.
 
     At a joint O the equilateral triangle has the corners O, P, Q and the scalene one O, R, S, `angle` runs from OP to
@@ -135,9 +133,9 @@ def kagome(
     >>> print(cell, len(cell.bars()), len(cell.points))
     Periodic tiling of 2 panels with 3 joints 6 3
     """
-    require_finite(angle, "angle", "kagome")
-    require_positive(side, "side", "kagome")
-    a, s, _ = sides
+    angle = require_finite(angle, "angle", "kagome")
+    side = require_positive(side, "side", "kagome")
+    a, s, _ = _checked_sides(sides)
     alpha, _ = _scalene_angles(sides)
     P, Q = np.array([1.0, 0.0]), np.array([0.5, -math.sqrt(3) / 2])
     R = a * np.array([math.cos(angle), math.sin(angle)])
@@ -194,12 +192,21 @@ def rotating_triangles(angle: float, side: float = 1.0) -> Tiling:
 
 def _scalene_angles(sides: tuple[float, float, float]) -> tuple[float, float]:
     """Angles alpha at O and rho at R of a triangle with sides OR, OS, RS."""
-    a, s, b = (require_positive(value, "sides", "kagome") for value in sides)
+    a, s, b = _checked_sides(sides)
     cosines = np.array([(a * a + s * s - b * b) / (2 * a * s), (a * a + b * b - s * s) / (2 * a * b)])
     if np.any(np.abs(cosines) >= 1 - 1e-12):
         raise GeometryError(f"kagome: sides {sides} make no triangle with area")
     alpha, rho = np.arccos(cosines).tolist()
     return alpha, rho
+
+
+def _checked_sides(sides: tuple[float, float, float]) -> tuple[float, float, float]:
+    a, s, b = require_array(sides, (3,), name="sides", owner="kagome", error=GeometryError).tolist()
+    return (
+        require_positive(a, "sides", "kagome", GeometryError),
+        require_positive(s, "sides", "kagome", GeometryError),
+        require_positive(b, "sides", "kagome", GeometryError),
+    )
 
 
 def _within(value: float, low: float, high: float, name: str) -> None:

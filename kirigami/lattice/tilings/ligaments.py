@@ -11,7 +11,7 @@ import shapely
 from kirigami.errors import GeometryError
 from kirigami.lattice.tilings.polygons import from_polygons
 from kirigami.lattice.tilings.tiling import Tiling, place_of
-from kirigami.primitives.checks import require_positive
+from kirigami.primitives.checks import require_instance, require_positive
 
 if TYPE_CHECKING:
     from kirigami.geometry.sheet import Sheet
@@ -126,6 +126,13 @@ def ligament_sheet(tiling: Tiling, width: float, length: float) -> shapely.Polyg
     """
     width = require_positive(width, "width", "ligament_sheet")
     length = require_positive(length, "length", "ligament_sheet")
+    require_instance(tiling, Tiling, "tiling", "ligament_sheet")
+    size = float(np.ptp(tiling.points, axis=0).max())
+    if not (1e-9 * size < width < size and 1e-9 * size < length < size):
+        raise GeometryError(
+            f"ligament_sheet: width {width:g} and length {length:g} must be less than the size {size:g} of the tiling, "
+            "and not vanish beside it"
+        )
     if tiling.lattice is not None:
         raise GeometryError("ligament_sheet: the tiling is periodic; take a patch of it")
     panels = [shapely.Polygon(tiling.vertices[polygon]) for polygon in tiling.polygons]
@@ -161,6 +168,9 @@ def _bisector(tiling: Tiling, number: int, joint: int) -> Any:
 def _region(sheet: Sheet | shapely.Polygon, neck: float) -> Any:
     if isinstance(sheet, shapely.Polygon):
         return sheet
+    from kirigami.geometry.sheet import Sheet  # a polygon needs no mesher
+
+    require_instance(sheet, Sheet, "sheet", "panels_of_sheet")
     region: Any = sheet.outline
     for cut in sheet.cuts:
         opening = cut if isinstance(cut, shapely.Polygon) else cut.buffer(neck / 200, cap_style="flat")

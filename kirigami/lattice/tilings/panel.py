@@ -48,7 +48,7 @@ class Ligament:
 
     def __post_init__(self) -> None:
         for name in ("E", "thickness", "width", "length"):
-            require_positive(getattr(self, name), name, "Ligament")
+            object.__setattr__(self, name, require_positive(getattr(self, name), name, "Ligament"))
 
     @property
     def stiffness(self) -> float:

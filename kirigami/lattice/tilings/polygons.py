@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike
 
 from kirigami.errors import GeometryError
 from kirigami.lattice.tilings.tiling import Tiling, place_of
+from kirigami.primitives.checks import require_array, require_items, require_positive
 from kirigami.primitives.groups import first_of_group
 
 
@@ -43,14 +44,14 @@ def from_polygons(
     from scipy.spatial import cKDTree
 
     shapes = []
-    for number, polygon in enumerate(polygons):
+    for number, polygon in enumerate(require_items(polygons, "polygons", "from_polygons", GeometryError)):
         outline: Any = polygon
         if hasattr(outline, "exterior"):
             if len(outline.interiors):
                 raise GeometryError(f"from_polygons: panel {number} has a hole; a panel is one outline")
             outline = np.array(outline.exterior.coords)[:-1, :2]
-        shape = np.asarray(outline, dtype=float)
-        if shape.ndim != 2 or shape.shape[1] != 2 or len(shape) < 3 or not np.isfinite(shape).all():
+        shape = require_array(outline, (None, 2), name=f"panel {number}", owner="from_polygons", error=GeometryError)
+        if len(shape) < 3:
             raise GeometryError(f"from_polygons: panel {number} must hold three or more finite points, of shape (k, 2)")
         shapes.append(shape)
     if not shapes:
@@ -58,11 +59,12 @@ def from_polygons(
     points = np.concatenate(shapes)
     owner = np.repeat(np.arange(len(shapes)), [len(shape) for shape in shapes])
     near = 1e-6 * float(np.ptp(points, axis=0).max()) if tolerance is None else tolerance
+    near = require_positive(near, "tolerance", "from_polygons", GeometryError)
     if joints is None:
         leader = first_of_group(len(points), cKDTree(points).query_pairs(near, output_type="ndarray"))
     else:
         leader = np.arange(len(points))
-        for joint in np.asarray(joints, dtype=float).reshape(-1, 2):
+        for joint in require_array(joints, (None, 2), name="joints", owner="from_polygons", error=GeometryError):
             here = np.flatnonzero(np.linalg.norm(points - joint, axis=1) <= near)
             touched = len(set(owner[here].tolist()))
             if touched < 2:

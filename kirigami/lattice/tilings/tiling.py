@@ -17,7 +17,18 @@ from numpy.typing import ArrayLike, NDArray
 
 from kirigami.errors import GeometryError, ModelError
 from kirigami.lattice.tilings.panel import Ligament, braces
-from kirigami.primitives.checks import require_finite, require_positive
+from kirigami.primitives.checks import (
+    require_array,
+    require_callable,
+    require_choice,
+    require_finite,
+    require_instance,
+    require_items,
+    require_positive,
+    require_whole,
+    require_whole_array,
+    shown,
+)
 from kirigami.primitives.kernel import Array
 
 if TYPE_CHECKING:
@@ -27,6 +38,7 @@ if TYPE_CHECKING:
 Corner = tuple[int, int, int]  # vertex of the cell, shifts along the two lattice vectors
 TURN = 2 * math.pi
 CLOSED = 1e-9  # a gap that closes to rounding [rad]
+MOST_PANELS = 1_000_000  # of a patch; more is a slip
 SMALL = 1e-9  # areas and overlaps below this share of a panel are rounding
 
 
@@ -87,18 +99,14 @@ class Tiling:
 
     def __init__(self, points: ArrayLike, panels: Iterable[Sequence[Any]], lattice: ArrayLike | None = None) -> None:
         put = object.__setattr__
-        try:
-            put(self, "points", np.array(points, dtype=float))
-        except (TypeError, ValueError):
-            raise GeometryError("Tiling: points must be numbers, of shape (v, 2)") from None
-        if self.points.ndim != 2 or self.points.shape[1] != 2 or not np.isfinite(self.points).all():
-            raise GeometryError(f"Tiling: points must be finite, of shape (v, 2), got shape {self.points.shape}")
-        put(self, "lattice", None if lattice is None else np.array(lattice, dtype=float))
-        if self.lattice is not None and (
-            self.lattice.shape != (2, 2) or not abs(np.linalg.det(self.lattice)) > SMALL * (self.lattice**2).sum()
-        ):
-            raise GeometryError("Tiling: lattice must hold two vectors (2, 2) that are finite and not parallel")
-        put(self, "panels", tuple(self._checked_panel(k, panel) for k, panel in enumerate(panels)))
+        put(self, "points", require_array(points, (None, 2), name="points", owner="Tiling", error=GeometryError))
+        if lattice is not None:
+            lattice = require_array(lattice, (2, 2), name="lattice", owner="Tiling", error=GeometryError)
+            if not abs(np.linalg.det(lattice)) > SMALL * (lattice**2).sum():
+                raise GeometryError("Tiling: lattice must hold two vectors (2, 2) that are not parallel")
+        put(self, "lattice", lattice)
+        listed = require_items(panels, "panels", "Tiling", GeometryError)
+        put(self, "panels", tuple(self._checked_panel(k, panel) for k, panel in enumerate(listed)))
         used = {vertex for panel in self.panels for vertex, _, _ in panel}
         unused = sorted(set(range(len(self.points))) - used)
         if unused:
@@ -107,13 +115,13 @@ class Tiling:
 
     def _checked_panel(self, number: int, panel: Sequence[Any]) -> tuple[Corner, ...]:
         corners: list[Corner] = []
-        for item in panel:
+        for item in require_items(panel, f"panel {number}", "Tiling", GeometryError):
             try:
                 corner = (int(item), 0, 0) if isinstance(item, (int, np.integer)) else tuple(int(part) for part in item)
-            except (TypeError, ValueError):
+            except (TypeError, ValueError, OverflowError):
                 corner = ()
             if len(corner) != 3 or not 0 <= corner[0] < len(self.points) or (self.lattice is None and any(corner[1:])):
-                raise GeometryError(f"Tiling: panel {number} has the corner {item!r}, which is not in the tiling")
+                raise GeometryError(f"Tiling: panel {number} has the corner {shown(item)}, which is not in the tiling")
             corners.append(corner)
         if len(set(corners)) != len(corners) or len(corners) < 3:
             raise GeometryError(f"Tiling: panel {number} needs three or more different corners, got {list(panel)}")
@@ -158,7 +166,12 @@ class Tiling:
 
     def place(self, corners: Iterable[Corner]) -> Array:
         """Positions (k, 2) of corners."""
-        listed = np.array(list(corners), dtype=int).reshape(-1, 3)
+        given = require_items(corners, "corners", "Tiling.place", GeometryError)
+        if not given:
+            return np.zeros((0, 2))
+        listed = require_whole_array(given, (None, 3), name="corners", owner="Tiling.place", error=GeometryError)
+        if listed[:, 0].min() < 0 or listed[:, 0].max() >= len(self.points):
+            raise GeometryError(f"Tiling.place: corners must name vertices below {len(self.points)}")
         found: Array = self.points[listed[:, 0]]
         if self.lattice is not None:
             found = found + listed[:, 1:] @ self.lattice
@@ -258,6 +271,12 @@ class Tiling:
         Tiling of 9 panels with 8 joints
         """
         self._periodic()
+        n1 = require_whole(n1, "n1", "Tiling.patch", 1, GeometryError)
+        n2 = require_whole(n2, "n2", "Tiling.patch", 1, GeometryError)
+        if n1 * n2 * len(self.panels) > MOST_PANELS:
+            raise GeometryError(f"Tiling.patch: {shown(n1)} by {shown(n2)} cells are more than {MOST_PANELS} panels")
+        if keep is not None:
+            require_callable(keep, "keep", "Tiling.patch", GeometryError)
         kept = [
             tuple((vertex, a + i, b + j) for vertex, i, j in panel)
             for b in range(n2)
@@ -269,7 +288,7 @@ class Tiling:
             raise GeometryError(f"Tiling.patch({n1}, {n2}): no panel is kept")
         index: dict[Corner, int] = {}
         panels = [[index.setdefault(corner, len(index)) for corner in panel] for panel in kept]
-        return Tiling(self.place(index), panels)
+        return Tiling(self.place(list(index)), panels)
 
     # ---- models
 
@@ -282,8 +301,7 @@ class Tiling:
             "crossed": edges and all diagonals that skip one corner, symmetric under every symmetry of the panel;
             "single": a fan of triangles, 2 n - 3 bars for n corners, which is just rigid.
         """
-        if bracing not in ("crossed", "single"):
-            raise ModelError(f"bracing {bracing!r} is unknown: use 'crossed' or 'single'")
+        require_choice(bracing, ("crossed", "single"), "bracing", "Tiling.bars")
         found: dict[tuple[int, int], None] = {}
         for polygon in self.polygons:
             for i, j in braces(self.vertices[polygon], bracing == "crossed"):
@@ -339,13 +357,9 @@ class Tiling:
         from kirigami.model.model import Model
         from kirigami.primitives.node import Node
 
-        if springs not in ("one", "both"):
-            raise ModelError(f"springs {springs!r} is unknown: use 'one' or 'both'")
-        given = stiffness.stiffness if isinstance(stiffness, Ligament) else np.asarray(stiffness, dtype=float)
-        if np.shape(given) not in ((), (len(self.joints),)):
-            raise ModelError(
-                f"Tiling.model: stiffness must be one number or one for each of the {len(self.joints)} joints"
-            )
+        require_choice(springs, ("one", "both"), "springs", "Tiling.model")
+        given = stiffness.stiffness if isinstance(stiffness, Ligament) else stiffness
+        given = require_array(given, (), (len(self.joints),), name="stiffness", owner="Tiling.model")
         by_joint_stiffness = np.broadcast_to(given, len(self.joints)).tolist()
         closing_moment = require_finite(closing_moment, "closing_moment", "Tiling.model")
         model = Model(dim=2, name=name)
@@ -399,7 +413,12 @@ class Tiling:
         Model in 2D: 12 nodes, 24 Bar, 4 TorsionSpring3, 8 AngleLimit
         """
         from kirigami.effects.angle_limit import AngleLimit
+        from kirigami.model.model import Model
 
+        require_instance(model, Model, "model", "angle_limits")
+        minimum = require_finite(minimum, "minimum", "angle_limits")
+        stiffness = require_positive(stiffness, "stiffness", "angle_limits")
+        width = require_positive(width, "width", "angle_limits")
         for gap in self.gaps:
             if gap.angle < minimum - CLOSED:
                 raise ModelError(
