@@ -93,10 +93,10 @@ class _Search:
         Motions without stiffness that were not known beforehand join `null`.
         """
         for _ in range(ROUNDS):
-            grounded = self._grounded()
+            supported = grounded(self.stiffness, self.null)
             try:
-                factor = self.factorize(grounded)
-                negative, sound = factor.negative, resists(grounded, factor)
+                factor = self.factorize(supported)
+                negative, sound = factor.negative, resists(supported, factor)
             except SingularMatrixError:
                 sound = False
             if sound and negative:
@@ -106,31 +106,16 @@ class _Search:
             if sound:
                 return 0.0, factor
             shift = -SHIFTED * self.scale
-            factor = self.factorize((grounded - shift * self.mass).tocsc())
+            factor = self.factorize((supported - shift * self.mass).tocsc())
             if factor.negative:
                 return self._below(None)
             values, vectors = self._above(shift, factor, count - self.null.shape[1], self.null, 0)
-            free = np.array([costs_nothing(grounded, vector) for vector in vectors.T], dtype=bool)
+            free = np.array([costs_nothing(supported, vector) for vector in vectors.T], dtype=bool)
             if not free.any():
                 near = min(-0.01 * float(values[0]), 0.5 * shift)
                 return near, self.factorize((self.stiffness - near * self.mass).tocsc())
             self.null = orthonormal(np.hstack([self.null, vectors[:, free]]), self.mass)
         raise AnalysisError("too many motions cost nothing: ask for fewer modes, or support the structure")
-
-    def _grounded(self) -> Any:
-        """The stiffness with a spring at as many unknowns as there are motions that cost nothing."""
-        from scipy.linalg import qr
-
-        if not self.null.shape[1]:
-            return self.stiffness
-        held = qr(self.null.T, mode="r", pivoting=True)[1][: self.null.shape[1]]
-        diagonal = self.stiffness.diagonal()
-        springs = np.abs(diagonal[held])
-        springs[springs == 0] = float(np.abs(diagonal).mean()) or 1.0
-        diagonal[held] += springs
-        grounded = self.stiffness.copy()
-        grounded.setdiag(diagonal)
-        return grounded
 
     def _below(self, factor: Factor | None) -> tuple[float, Factor]:
         """A shift below the lowest eigenvalue, which is negative: widened until no pivot is."""
@@ -196,6 +181,22 @@ def orthonormal(vectors: Array, mass: Any) -> Array:
             square = vectors.T @ (mass @ vectors)
             vectors = np.linalg.solve(np.linalg.cholesky(square), vectors.T).T
     return vectors
+
+
+def grounded(stiffness: Any, null: Array) -> Any:
+    """A stiffness with a spring at as many unknowns as there are motions (n, k) that cost nothing."""
+    from scipy.linalg import qr
+
+    if not null.shape[1]:
+        return stiffness
+    held = qr(null.T, mode="r", pivoting=True)[1][: null.shape[1]]
+    diagonal = stiffness.diagonal()
+    springs = np.abs(diagonal[held])
+    springs[springs == 0] = float(np.abs(diagonal).mean()) or 1.0
+    diagonal[held] += springs
+    held_stiffness = stiffness.copy()
+    held_stiffness.setdiag(diagonal)
+    return held_stiffness
 
 
 def costs_nothing(matrix: Any, vector: Array) -> bool:

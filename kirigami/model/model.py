@@ -523,6 +523,7 @@ class Model:
         title = f"Model {self.name}".strip()
         return f"<b>{title}</b>, {self.dim}D<table><tr><td>nodes</td><td>{len(self._nodes)}</td></tr>{rows}</table>"
 
+    imperfect = deferred("kirigami.study.imperfect:imperfect")
     plot = deferred("kirigami.plot.undeformed:plot_model")
     to_abaqus = deferred("kirigami.io.abaqus:to_abaqus")
     to_openseespy = deferred("kirigami.io.opensees:to_openseespy")
