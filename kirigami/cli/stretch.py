@@ -87,7 +87,7 @@ def add(commands: Any) -> None:
         "--imperfection",
         type=length,
         metavar="LENGTH",
-        help="height of the imperfection, which is free of stress (default: the thickness)",
+        help="height of the imperfection, which is free of stress (default: a tenth of the thickness)",
     )
     work.add_argument("--folder", type=Path, help="where to write (default: ./NAME-stretched)")
     add_reading(parser)

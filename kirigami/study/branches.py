@@ -12,6 +12,7 @@ from kirigami.analysis.modes import Mode
 from kirigami.analysis.path.methods import DisplacementControl
 from kirigami.model.model import Model
 from kirigami.primitives.checks import require_instance
+from kirigami.study.imperfect import SHARE
 from kirigami.study.imperfections import Build, ImperfectionStudy, imperfections
 
 
@@ -36,7 +37,7 @@ def branches(
     modes : int or sequence of shapes
         Shapes to seed.
     amplitude : float, optional
-        Largest offset [length]; by default a tenth of the thickness of the sheet.
+        Largest offset [length]; by default that of :meth:`kirigami.Model.imperfect`.
     analysis : callable
         Makes the analysis of a model.
     mirrors : str
@@ -80,5 +81,5 @@ def branches(
     require_instance(model, Model, "model", "branches")
     amplitudes = None if amplitude is None else [amplitude]
     if amplitudes is None and model.sheet_constants is not None:
-        amplitudes = [0.1 * model.sheet_constants.thickness]
+        amplitudes = [SHARE * model.sheet_constants.thickness]
     return imperfections(model, modes, amplitudes, analysis, (1, -1), mirrors, alike, folder, executor)

@@ -138,7 +138,7 @@ def _random_loads(model: Model, place: Array, seed: int) -> tuple[Array, Array, 
     corners = place[mesh.triangles]
     points = np.einsum("qc,mcx->mqx", POINTS, corners)
     shares = np.outer(mesh.facet_areas, WEIGHTS)
-    areas = np.bincount(mesh.triangles.ravel(), np.repeat(mesh.facet_areas / 3, 3), len(place))
+    areas = np.asarray(np.bincount(mesh.triangles.ravel(), np.repeat(mesh.facet_areas / 3, 3), len(place)), dtype=float)
     centre, axes, size, flat = _frame(points.reshape(-1, 3), shares.ravel())
     pressure = _Waves(seed, centre, axes, size, flat)(points.reshape(-1, 3)).reshape(shares.shape)
     normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])

@@ -35,6 +35,7 @@ from kirigami.primitives.checks import (
 from kirigami.primitives.kernel import Array
 from kirigami.primitives.rigid import rigid_motions
 from kirigami.results.results import Results
+from kirigami.study.imperfect import SHARE
 from kirigami.study.shapes import FLAT, ShapeSpace
 
 if TYPE_CHECKING:
@@ -255,7 +256,8 @@ def imperfections(
     modes : int or sequence of Mode or array_like, shape (n, 3) or (n,)
         Shapes to seed: so many of the lowest eigenmodes (see :func:`seeds`), or your own.
     amplitudes : sequence of float, optional
-        Largest offsets [length]; by default a tenth, a hundredth and a thousandth of the thickness of the sheet.
+        Largest offsets [length]; by default that of :meth:`kirigami.Model.imperfect`, a tenth and a
+        hundredth of it.
     analysis : callable
         Makes the analysis of a model, such as ``functools.partial(kg.DisplacementControl, to=0.5)``. With processes it
         must be picklable: a function of a module, not a lambda.
@@ -311,7 +313,7 @@ def imperfections(
     if amplitudes is None:
         if model.sheet_constants is None:
             raise ModelError("imperfections: give amplitudes; only sheets have a thickness to measure them by")
-        amplitudes = [share * model.sheet_constants.thickness for share in (0.1, 0.01, 0.001)]
+        amplitudes = [share * model.sheet_constants.thickness for share in (SHARE, 0.1 * SHARE, 0.01 * SHARE)]
     listed = require_items(amplitudes, "amplitudes", "imperfections")
     sizes = [require_positive(a, "amplitude", "imperfections") for a in listed]
     signs = [require_whole(sign, "signs", "imperfections") for sign in signs]

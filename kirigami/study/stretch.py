@@ -9,7 +9,6 @@ from typing import Any
 
 import numpy as np
 
-from kirigami.analysis.eigen import Eigen
 from kirigami.analysis.path.methods import DisplacementControl
 from kirigami.elements.stiffness import Calibration
 from kirigami.errors import ConvergenceError, KirigamiWarning, ModelError
@@ -97,7 +96,8 @@ def stretch(
     stiffness : str or Calibration, optional
         As for :meth:`kirigami.Model.from_mesh`.
     amplitude : float, optional
-        Height of the stress-free imperfection [length]; 0 leaves the sheet flat, None takes its thickness.
+        Height of the stress-free imperfection [length], see :meth:`kirigami.Model.imperfect`; 0 leaves the sheet
+        flat, None takes what that takes.
     progress : bool
         Show a progress bar.
     say : callable, optional
@@ -145,7 +145,7 @@ def stretch(
     mesh = default_mesh(sheet, grips, level.nodes if nodes is None else nodes, max_edge)
     say(f"{len(mesh.nodes)} nodes, {len(mesh.triangles)} facets" if mesh.sizing is None else f"mesh: {mesh.sizing}")
     model, held, moved = held_model(mesh, grips, strain, level.stiffness if stiffness is None else stiffness)
-    _imperfect(model, amplitude)
+    model.imperfect(amplitude)
     grip_nodes = {"held": model.index(held), "moved": model.index(moved)}
     targets = [*STORED, *STORED[-2::-1]] if cycle else list(STORED)
     analysis = DisplacementControl(model, targets=targets, to=0.0 if cycle else 1.0, tol=level.tol)
@@ -175,7 +175,7 @@ def pulled_sheet(
     """Model of a sheet with its imperfection between its grips, to be pulled, and the nodes that are pulled."""
     grips = find_grips(sheet, direction)
     model, _, moved = held_model(default_mesh(sheet, grips, None, max_edge), grips, strain, stiffness)
-    _imperfect(model, None)
+    model.imperfect()
     return model, moved
 
 
@@ -211,14 +211,6 @@ def default_mesh(sheet: Sheet, grips: Grips, nodes: int | None, max_edge: float 
     if max_edge is not None or nodes is None:
         return sheet.mesh(max_edge, lines=grips.lines())
     return sheet.mesh(nodes=round(require_positive(nodes, "nodes", "stretch")), lines=grips.lines())
-
-
-def _imperfect(model: Model, amplitude: float | None) -> None:
-    """Give the held sheet its imperfection: its softest mode, one thickness high unless said."""
-    assert model.mesh is not None and model.mesh.thickness is not None
-    height = model.mesh.thickness if amplitude is None else require_finite(amplitude, "amplitude", "stretch")
-    if height:
-        model.perturb(Eigen(model, n=1).run()[0], amplitude=height)
 
 
 def _short_of(error: ConvergenceError, strain: float, cycle: bool) -> ConvergenceError:
