@@ -220,3 +220,42 @@ def test_files_of_earlier_versions_know_less_but_are_read(path: Path) -> None:
             res.stress()
         res.plot_stress(thickness=1e-3, material=kg.Material(E=1e9))
         pyplot.close("all")
+
+
+def test_a_copy_of_results_is_a_copy() -> None:
+    res = Case("plate").results
+    count, last = len(res), res.lam[-1]
+    other = copy.copy(res)
+    other.append(res[0])
+    other.events.append(kg.Event("interrupted", 0.0, 0, "made up"))
+    other.stats["steps"] = -1
+    assert (len(other), other.lam[-1], len(other.energy["bars"])) == (count + 1, 0.0, count + 1)
+    assert (len(res), res.lam[-1], len(res.energy["bars"])) == (count, last, count)
+    assert not res.events and res.stats["steps"] != -1
+
+
+HAS = {"paper": ("bar", "hinge"), "plate": ("bar", "hinge"), "facet": (), "split": (), "shell": ()}
+
+
+@pytest.mark.parametrize("rung", list(HAS))
+def test_what_a_rung_does_not_have_is_told(rung: str) -> None:
+    """No array without columns: a quantity has a column for each member, or is an error that names what there is."""
+    mesh = kg.Sheet(shapely.box(0, 0, 1, 0.3)).mesh(0.2)
+    m = kg.Model.from_mesh(mesh, 0.01, kg.Material(E=1e9), stiffness=rung)
+    m.add(kg.Fix(m.select(boundary="left"), clamp=True), kg.Prescribe(m.select(boundary="right"), z=0.1))
+    res = kg.LinearStatic(m).run()
+    names = {kernel.name for kernel in res.kernels}
+    for name in ("bar_strain", "bar_force", "hinge_angle", "hinge_moment", "spring_angle", "spring_moment"):
+        if name.partition("_")[0] in HAS[rung]:
+            assert getattr(res, name).shape[1] > 0
+        else:
+            with pytest.raises(kg.ModelError) as told:
+                getattr(res, name)
+            assert all(repr(kind) in str(told.value) for kind in names) and "stress()" in str(told.value)
+    for kind in {kernel.name for kernel in res.kernels if kernel.surface}:
+        assert res.deformation(kind).shape == res.force(kind).shape == (2, len(mesh.triangles), 6)
+    truss = kg.Model(dim=2)
+    a, b = truss.add(kg.Node(0, 0), kg.Node(1, 0))
+    truss.add(kg.Bar(a, b, 1.0), kg.Fix(a), kg.Fix(b, "y"), kg.NodalLoad(b, (1, 0)))
+    with pytest.raises(kg.ModelError, match=r"no 'hinges', but 'bars'"):
+        _ = kg.LinearStatic(truss).run().hinge_angle

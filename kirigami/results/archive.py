@@ -140,6 +140,8 @@ def write(path: str | os.PathLike[str], arrays: dict[str, Any], compressed: bool
 def read(path: str | os.PathLike[str]) -> tuple[dict[str, Any], dict[str, Any]]:
     """Head and arrays of a file, or an AnalysisError that says what is wrong with it."""
     path = require_path(path, "path", "kirigami.load", AnalysisError)
+    if path.exists() and not path.is_file():
+        raise AnalysisError(f"cannot read {path}: it is no plain file")
     try:
         with np.load(path, allow_pickle=False) as file:
             data = {key: file[key] for key in file.files}

@@ -68,6 +68,11 @@ class Results(ModelRecord):
         self.linear = linear
         self.grip_nodes: dict[str, NDArray[np.int64]] = {}
 
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        """A copy has lists of its own."""
+        self.__dict__.update(state)
+        self.steps, self.events, self.stats = list(self.steps), list(self.events), dict(self.stats)
+
     # ---- steps
 
     def __len__(self) -> int:

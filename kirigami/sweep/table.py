@@ -173,6 +173,8 @@ class SweepLog:
         self._file: Any = None
 
     def __enter__(self) -> SweepLog:
+        if self.path.exists() and not self.path.is_file():
+            raise AnalysisError(f"{self.path} is no plain file: the log of a sweep is read back, so it must be one")
         if not self.path.exists():
             with whole_file(self.path) as unfinished:
                 unfinished.write_text(json.dumps(self.header) + "\n", encoding="utf-8")

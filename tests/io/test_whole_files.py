@@ -191,7 +191,11 @@ def test_two_threads_may_write_one_file(tmp_path: Path) -> None:
 def test_results_read_from_something_else(tmp_path: Path) -> None:
     text = tmp_path / "notes.npz"
     text.write_text("shopping list\n")
-    cases = ((text, "not a results file"), (tmp_path, "cannot read"), (tmp_path / "no.npz", "no results file"))
+    os.mkfifo(tmp_path / "pipe.npz")
+    cases = (
+        (text, "not a results file"), (tmp_path, "cannot read"), (tmp_path / "no.npz", "no results file"),
+        (tmp_path / "pipe.npz", "no plain file"),
+    )  # fmt: skip
     for path, words in cases:
         with pytest.raises(kg.AnalysisError, match=words) as told:
             kg.load(path)
@@ -222,3 +226,17 @@ def test_every_writer_goes_through_whole_file() -> None:
             if writes:
                 found.append(f"{file.relative_to(root)}:{node.lineno}: {text}")
     assert not found, found
+
+
+def _square(x: float) -> dict[str, float]:
+    return {"y": x * x}
+
+
+def test_what_is_read_back_must_be_a_plain_file(tmp_path: Path, run: kg.Results) -> None:
+    """A pipe would be waited on for ever."""
+    os.mkfifo(tmp_path / "log.jsonl")
+    with pytest.raises(kg.KirigamiError, match="no plain file"):
+        kg.Sweep(_square, [{"x": 1}, {"x": 2}], tmp_path / "log.csv").run()
+    os.mkfifo(tmp_path / "checkpoint.npz")
+    with pytest.raises(kg.KirigamiError, match="no plain file"):
+        kg.DisplacementControl(run.model).run(checkpoint=tmp_path / "checkpoint.npz")
