@@ -9,6 +9,7 @@ import signal
 import stat
 import threading
 from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -147,9 +148,9 @@ def test_names_that_are_none(name: str, path: Any, run: kg.Results) -> None:
         written(name, run, path)
 
 
-@pytest.fixture
+@contextmanager
 def small_disk() -> Iterator[None]:
-    """Files of at most 100 bytes, as on a disk that is full."""
+    """Files of at most 100 bytes, as on a disk that is full; also for pytest's own, so not for longer than a call."""
     handler = signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
     before = resource.getrlimit(resource.RLIMIT_FSIZE)
     resource.setrlimit(resource.RLIMIT_FSIZE, (100, before[1]))
@@ -161,10 +162,10 @@ def small_disk() -> Iterator[None]:
 
 
 @pytest.mark.parametrize("name", list(WRITERS))
-def test_a_full_disk_loses_nothing(name: str, run: kg.Results, tmp_path: Path, small_disk: None) -> None:
+def test_a_full_disk_loses_nothing(name: str, run: kg.Results, tmp_path: Path) -> None:
     path = tmp_path / f"kept{WRITERS[name][0]}"
     path.write_text("old")
-    with pytest.raises(kg.KirigamiError, match="cannot write"):
+    with pytest.raises(kg.KirigamiError, match="cannot write"), small_disk():
         written(name, run, path)
     assert path.read_text() == "old"
     assert [entry.name for entry in tmp_path.iterdir()] == [path.name]
