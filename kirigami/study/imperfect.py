@@ -17,7 +17,7 @@ from kirigami.linalg import factorize
 from kirigami.linalg.checked import SingularMatrixError
 from kirigami.linalg.eigenpairs import grounded, orthonormal, resists
 from kirigami.model.model import Model
-from kirigami.primitives.checks import require_finite
+from kirigami.primitives.checks import require_finite, require_whole
 from kirigami.primitives.kernel import Array
 from kirigami.study.shapes import FLAT
 from kirigami.system.supports import rigid_unknowns
@@ -67,11 +67,10 @@ def imperfect(model: Model, amplitude: float | None = None, seed: int = 0) -> No
     """
     if model.dim == 2:
         raise ModelError("imperfect: a sheet is imperfect out of its plane, which a model with dim=2 does not know")
-    if isinstance(seed, bool) or not isinstance(seed, (int, np.integer)) or seed < 0:
-        raise ModelError(f"imperfect: seed must be a whole number, 0 or more, got {seed!r}")
+    seed = require_whole(seed, "seed", "imperfect", least=0)
     height = _height(model) if amplitude is None else require_finite(amplitude, "amplitude", "imperfect")
     if height:
-        shape = bending_field(model, int(seed))
+        shape = bending_field(model, seed)
         model.perturb(shape, amplitude=height)
 
 

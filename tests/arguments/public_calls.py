@@ -178,6 +178,7 @@ CALLS: dict[str, Callable[[], Call]] = {
     "Model.from_mesh": lambda: (kg.Model.from_mesh, {"mesh": mesh(), "thickness": 0.1, "material": STEEL}),
     "Model.hold": lambda: ((m := truss()).hold, {"step": kg.LoadControl(m).run()[-1]}),
     "Model.index": lambda: ((m := truss()).index, {"nodes": m.nodes[0]}),
+    "Model.imperfect": lambda: (plate().imperfect, {"amplitude": 0.01, "seed": 1}),
     "Model.perturb": lambda: (plate().perturb, {"shape": np.linspace(0, 0.1, 16), "amplitude": 0.01}),
     "Model.plot": lambda: (plate().plot, {}),
     "Model.positions": lambda: (plate().positions, {}),
