@@ -13,7 +13,7 @@ from kirigami.model.model import Model
 from kirigami.primitives.checks import require_array, require_choice, require_instance, require_whole
 from kirigami.primitives.kernel import Array
 from kirigami.results.step import Step
-from kirigami.system.supports import rigid_unknowns
+from kirigami.system.supports import costs_energy, rigid_unknowns
 
 MASSES = ("unit", "lumped")
 
@@ -82,7 +82,14 @@ class Eigen(Analysis):
             raise ModelError(f"Eigen: {self.n} modes asked for, but only {massive} unknowns of the model have mass")
         with system.clock("eigenpairs"):
             rigid = rigid_unknowns(system, u, matrix)
-            values, vectors = lowest_eigenpairs(matrix, diags(weight, format="csc"), self.n, rigid, run.factorize)
+            values, vectors = lowest_eigenpairs(
+                matrix,
+                diags(weight, format="csc"),
+                self.n,
+                rigid,
+                run.factorize,
+                (lambda vector: costs_energy(system, vector)) if self.about is None else None,
+            )
         run.finish()
         return Modes(values, np.array([nodal_shape(system, vector) for vector in vectors.T]))
 

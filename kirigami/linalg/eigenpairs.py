@@ -26,7 +26,12 @@ Factorize = Callable[[Any], Factor]
 
 
 def lowest_eigenpairs(
-    stiffness: Any, mass: Any, count: int, null: Array, factorize: Factorize
+    stiffness: Any,
+    mass: Any,
+    count: int,
+    null: Array,
+    factorize: Factorize,
+    is_held: Callable[[Array], bool] | None = None,
 ) -> tuple[Array, Array]:
     """The lowest eigenvalues of ``K v = value M v`` (ascending) and mass-normalised vectors (n, count), all of them.
 
@@ -42,13 +47,16 @@ def lowest_eigenpairs(
         Vectors with K v = 0 known beforehand, as the rigid motions of a free body; their values are exactly zero.
     factorize : callable
         Factorises a symmetric CSC matrix.
+    is_held : callable, optional
+        Tells of a vector (n,) that costs no more than the rounding of K whether it costs something all the same.
 
     Raises
     ------
     AnalysisError
-        Pairs do not settle, their number is not that of the negative pivots, or they do not solve the equation.
+        Pairs do not settle, their number is not that of the negative pivots, they do not solve the equation, or they
+        drown in the rounding of K.
     """
-    values, vectors = _Search(stiffness, mass, orthonormal(null, mass), factorize).run(count)
+    values, vectors = _Search(stiffness, mass, orthonormal(null, mass), factorize, is_held).run(count)
     _check_residuals(stiffness, mass, values, vectors)
     return values, vectors
 
@@ -60,8 +68,11 @@ class _Search:
     forces that do no work on them leave such springs without load, so that the solution is the right one.
     """
 
-    def __init__(self, stiffness: Any, mass: Any, null: Array, factorize: Factorize) -> None:
+    def __init__(
+        self, stiffness: Any, mass: Any, null: Array, factorize: Factorize, is_held: Callable[[Array], bool] | None
+    ) -> None:
         self.stiffness, self.mass, self.null, self.factorize = stiffness, mass, null, factorize
+        self.is_held = is_held
         weight = mass.diagonal()
         self.rank = int(np.count_nonzero(weight))
         ratio = np.abs(stiffness.diagonal()[weight > 0]) / weight[weight > 0]
@@ -114,6 +125,11 @@ class _Search:
             if not free.any():
                 near = min(-0.01 * float(values[0]), 0.5 * shift)
                 return near, self.factorize((self.stiffness - near * self.mass).tocsc())
+            if self.is_held is not None and any(self.is_held(vector) for vector in vectors.T[free]):
+                raise AnalysisError(
+                    "the lowest eigenvalues are but rounding of the stiffness, as for a very thin sheet that does not lie "
+                    "level with two axes: turn it so that it does, or make it thicker"
+                )
             self.null = orthonormal(np.hstack([self.null, vectors[:, free]]), self.mass)
         raise AnalysisError("too many motions cost nothing: ask for fewer modes, or support the structure")
 

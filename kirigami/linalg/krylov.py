@@ -11,7 +11,7 @@ from kirigami.errors import AnalysisError
 from kirigami.primitives.kernel import Array
 
 SETTLED = 1e-9  # residual of a pair over its value at which it is taken: the error of the value is its square
-USABLE = 1e-6  # ... and at which it is taken where more rounds do not help
+USABLE = 1e-4  # ... and at which it is taken where more rounds do not help
 DROWNED = 1e-6  # value over the largest one below which it has lost too many digits
 SPENT = 1e-12  # what is left of a vector when that is nothing but rounding
 BLOCK = 4  # vectors that start a space together, so that equal eigenvalues are found at once
@@ -135,4 +135,7 @@ def leading_pairs(space: KrylovSpace, count: int) -> tuple[Array, Array]:
             return values[clear], vectors[:, clear]
         best = min(best, error)
         space.restart(count + 2 * BLOCK)
-    raise AnalysisError(f"{count} eigenpairs do not settle: ask for fewer, or for a few more")
+    raise AnalysisError(
+        f"{count} eigenpairs do not settle, the best to {best:.0e}: ask for fewer or for a few more; or the lowest of them "
+        "are but rounding of the stiffness, as for a very thin sheet that does not lie level with two axes"
+    )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -158,6 +159,23 @@ def rigid_unknowns(system: System, u: Array, matrix: Any) -> Array:
     # Among those that cost something by themselves there may be mixtures that do not.
     _, cost, directions = np.linalg.svd(np.linalg.qr(forces[:, ~still], mode="r"))
     return np.hstack([fields[:, still], fields[:, ~still] @ directions[cost <= AT_REST].T])
+
+
+def costs_energy(system: System, vector: Array) -> bool:
+    """Whether a motion (free,) off the rest state costs energy, however little, in proportion to its square.
+
+    Strains and angles tell it where the stiffness, which adds up what stretching and bending cost, has lost the smaller
+    one in rounding. The energy of a mechanism is of higher order, or the rounding of angles.
+    """
+    shape = system.displacement(vector, 0.0) - system.displacement(np.zeros_like(vector), 0.0)
+    turn = system.largest_rotation(shape)
+    if turn == 0:
+        return False
+    costs = []
+    for size in (1e-7, 1e-8, 1e-9, 1e-10):
+        small = size / turn * shape
+        costs.append(sum(sum(system.energies(sign * small).values()) for sign in (1, -1)) / size**2)
+    return any(before > 0 and abs(after / before - 1) < 0.1 for before, after in pairwise(costs))
 
 
 def _resistance(system: System, motions: Array, at: Index, u: Array) -> Array:
