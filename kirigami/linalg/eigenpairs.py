@@ -127,8 +127,8 @@ class _Search:
                 return near, self.factorize((self.stiffness - near * self.mass).tocsc())
             if self.is_held is not None and any(self.is_held(vector) for vector in vectors.T[free]):
                 raise AnalysisError(
-                    "the lowest eigenvalues are but rounding of the stiffness, as for a very thin sheet that does not lie "
-                    "level with two axes: turn it so that it does, or make it thicker"
+                    "the lowest eigenvalues are but rounding of the stiffness, as for a very thin sheet that does not "
+                    "lie level with two axes: turn it so that it does, or make it thicker"
                 )
             self.null = orthonormal(np.hstack([self.null, vectors[:, free]]), self.mass)
         raise AnalysisError("too many motions cost nothing: ask for fewer modes, or support the structure")

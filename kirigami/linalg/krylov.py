@@ -136,6 +136,6 @@ def leading_pairs(space: KrylovSpace, count: int) -> tuple[Array, Array]:
         best = min(best, error)
         space.restart(count + 2 * BLOCK)
     raise AnalysisError(
-        f"{count} eigenpairs do not settle, the best to {best:.0e}: ask for fewer or for a few more; or the lowest of them "
-        "are but rounding of the stiffness, as for a very thin sheet that does not lie level with two axes"
+        f"{count} eigenpairs do not settle, the best to {best:.0e}: ask for fewer or for a few more; or the lowest of "
+        "them are but rounding of the stiffness, as for a very thin sheet that does not lie level with two axes"
     )

@@ -99,6 +99,26 @@ def test_a_tilted_sheet_has_the_modes_of_the_level_one() -> None:
         assert values[1] == pytest.approx(values[0], rel=1e-6)
 
 
+def test_modes_below_rounding_are_refused_and_mechanisms_are_zero() -> None:
+    """A tilted sheet of t / L = 1e-6 adds bending of 1e-16 to stretching: its modes are not zero, and not told so."""
+    turn = np.linalg.qr(np.random.default_rng(3).normal(size=(3, 3)))[0]
+    mesh = kg.Sheet(shapely.box(0, 0, 1, 0.2)).mesh(0.07)
+    for t in (1e-4, 1e-6):
+        m = kg.Model.from_mesh(
+            kg.TriMesh(mesh.nodes @ turn.T, mesh.triangles), t, kg.Material(E=1e9, nu=0.3), stiffness="plate"
+        )
+        m.add(kg.Fix([node for node, point in zip(m.nodes, mesh.nodes) if point[0] < 1e-9], clamp=True))
+        if t == 1e-6:
+            with pytest.raises(kg.AnalysisError, match="rounding of the stiffness"):
+                kg.Eigen(m, n=1).run()
+        else:
+            assert kg.Eigen(m, n=1).run().values[0] / (1e9 * t**3) == pytest.approx(2.1053e-3, rel=1e-3)
+            m.remove(*[item for item in m.elements if isinstance(item, kg.BendHinge)])
+            m.remove(*m.constraints)
+            m.add(kg.Fix([node for node, point in zip(m.nodes, mesh.nodes) if point[0] < 1e-9]))
+            assert np.abs(kg.Eigen(m, n=4).run().values).max() < 1e-9 * 1e9 * t
+
+
 def test_two_bodies_have_twelve_rigid_motions_and_a_tie_leaves_what_it_allows() -> None:
     """Two tetrahedra of bars; tied in x only they still slide and turn against each other."""
     corners = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1.0]])
