@@ -84,6 +84,21 @@ def test_nothing_is_listed_twice() -> None:
     assert stretch(m) == pytest.approx(0.1, rel=1e-12)
 
 
+def test_no_node_is_listed_twice() -> None:
+    """A force on a node that is named twice would act twice, a contact be twice as stiff, a reaction count twice."""
+    m, a, b = rod()
+    for make in (lambda: kg.NodalLoad([a, b, a], (1, 0)), lambda: kg.Contact([b, b], kg.Plane((5, 0), (-1, 0)))):
+        with pytest.raises(kg.ModelError, match="listed twice"):
+            make()
+    for item in (kg.Fix([b, b], "x"), kg.Prescribe([b, b], x=1.0), kg.Tie([b, b], a, "x")):
+        m.add(item)
+        with pytest.raises(kg.ModelError, match="twice"):
+            kg.System(m)
+        m.remove(item)
+    res = kg.LinearStatic(m).run()
+    assert res.reaction([a, a], "x")[-1] == res.reaction(a, "x")[-1] == pytest.approx(-1, rel=1e-12)
+
+
 def test_what_was_removed_can_come_back() -> None:
     m, _, _ = rod()
     load = m.loads[0]

@@ -216,7 +216,7 @@ class Contact(ModelObject):
         layer: float | None = None,
     ) -> None:
         put = object.__setattr__
-        put(self, "group", listed(nodes, "Contact"))
+        put(self, "group", listed(nodes, "Contact", once=True))
         put(self, "surface", require_instance(surface, (Plane, Cylinder, Sphere), "surface", "Contact"))
         put(self, "offset", require_not_negative(offset, "offset", "Contact"))
         put(self, "stiffness", None if stiffness is None else require_positive(stiffness, "stiffness", "Contact"))

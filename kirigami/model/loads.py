@@ -39,7 +39,7 @@ class NodalLoad(Load):
     Raises
     ------
     ModelError
-        Empty selection, or a force that is not two or three finite numbers.
+        Empty selection, a node listed twice, or a force that is not two or three finite numbers.
 
     Examples
     --------
@@ -54,7 +54,7 @@ class NodalLoad(Load):
 
     def __init__(self, nodes: Node | Iterable[Node], force: ArrayLike, constant: bool = False) -> None:
         vector = require_array(force, (2,), (3,), name="force", owner="NodalLoad")
-        object.__setattr__(self, "group", listed(nodes, "NodalLoad"))
+        object.__setattr__(self, "group", listed(nodes, "NodalLoad", once=True))
         object.__setattr__(self, "force", tuple(np.append(vector, 0.0)[:3].tolist()))
         object.__setattr__(self, "constant", require_boolean(constant, "constant", "NodalLoad"))
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any
 
@@ -81,14 +82,18 @@ class Node:
 AXES = "xyz"
 
 
-def listed(nodes: Node | Iterable[Node], owner: str) -> tuple[Node, ...]:
-    """One node or many as a tuple, never empty."""
+def listed(nodes: Node | Iterable[Node], owner: str, once: bool = False) -> tuple[Node, ...]:
+    """One node or many as a tuple, never empty, and with `once` none of them twice."""
     group = (nodes,) if isinstance(nodes, Node) else tuple(require_items(nodes, "nodes", owner))
     if not group:
         raise ModelError(f"{owner}: the node selection is empty")
     for node in group:
         if not isinstance(node, Node):
             raise ModelError(f"{owner}: expected nodes, got {shown(node)}; select nodes with Model.select")
+    if once and len({id(node) for node in group}) < len(group):
+        counts = Counter(map(id, group))
+        twice = next(node for node in group if counts[id(node)] > 1)
+        raise ModelError(f"{owner}: {twice!r} is listed twice and would count twice: list each node once")
     return group
 
 
