@@ -51,7 +51,7 @@ class StableSteps(Steps):
         distance = abs(before.state.lam - increments.leg)
         driven = bool(run.system.drive.any())
         least = max((CLOSE if driven else CLOSE_TO_LIMIT) * distance, increments.smallest)
-        reach = max(SHARE * distance, min(increments.first, abs(increment)))
+        reach = max(SHARE * distance, increments.smallest)
         sense = float(np.sign(increment))
         while True:
             short = abs(increment) <= least * 1.0001
@@ -59,7 +59,9 @@ class StableSteps(Steps):
             tangent = run.tangent_at(attempt)
             if tangent is not None and tangent.factor.negative == 0 and self._is_smooth(before, attempt):
                 return self._accept(attempt, tangent), attempt, increment
-            if abs(increment) > 1.0001 * reach or (not short and (turn > DESCENT_TURN or not driven)):
+            unstable = tangent is not None and tangent.factor.negative > 0
+            closer = unstable or turn > DESCENT_TURN or not driven
+            if abs(increment) > 1.0001 * reach or (closer and not short):
                 shorter = min(CUT * abs(increment), reach)
                 increment = self._cut(before, sense * max(shorter, least))
                 continue
