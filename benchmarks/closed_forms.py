@@ -22,7 +22,7 @@ import kirigami as kg
 from kirigami.primitives.kernel import displacement_of
 from kirigami.primitives.parts import ModelObject, Numbering
 
-RUNGS = ("paper", "plate", "facet", "split")
+RUNGS = ("paper", "plate", "facet", "shell")
 E, NU, THICKNESS = 1e6, 0.34, 0.02
 
 
@@ -135,15 +135,11 @@ def roll_up(rung: str, across: int, random: bool) -> float:
     model.add(kg.Fix(side("left"), "xz", clamp=True), kg.Fix(model.select(where=lambda x, y, z: x > -1.0), "y"))
     ends = side("right")
     x = model.positions()
-    base, tip = model.normals
     arms = []
     for node in ends:
         at = int(model.index(node)[0])
-        if len(base):
-            arms.append((node, model.nodes[int(tip[base == at][0])]))
-        else:
-            inner = model.mesh.edges[(model.mesh.edges == at).any(axis=1)].sum(axis=1) - at
-            arms.append((model.nodes[int(inner[np.argmin(x[inner, 0])])], node))
+        inner = model.mesh.edges[(model.mesh.edges == at).any(axis=1)].sum(axis=1) - at
+        arms.append((model.nodes[int(inner[np.argmin(x[inner, 0])])], node))
     widths = np.gradient(np.sort([node.y for node in ends]))
     order = np.argsort(np.argsort([node.y for node in ends]))
     widths[[0, -1]] *= 0.5
@@ -183,9 +179,44 @@ def hold_in_plane(model: kg.Model) -> None:
 
 
 def pressure(model: kg.Model, mesh: kg.TriMesh, q: float) -> None:
-    """Transverse pressure, a third of each facet's share on each of its corners."""
+    """Transverse pressure, a third of each facet's share on each of its corners and, where they are, its middles."""
     share = np.bincount(mesh.triangles.ravel(), np.repeat(mesh.facet_areas / 3, 3), len(mesh.nodes))
     model.add(*(kg.NodalLoad(node, (0, 0, q * part)) for node, part in zip(model.nodes, share.tolist())))
+    if isinstance(model.elements[0], kg.ShellFacet):
+        model.add(MiddleLoad(model.nodes[0], mesh, q))
+
+
+@dataclass(frozen=True, eq=False)
+class MiddleLoad(ModelObject):
+    """What a pressure q does on the middles of the edges of shell facets: integral of 4 l_a l_b over each facet."""
+
+    kind: ClassVar[str] = "load"
+    node: kg.Node
+    mesh: kg.TriMesh
+    q: float
+
+    @property
+    def nodes(self) -> tuple[kg.Node, ...]:
+        return (self.node,)
+
+    @classmethod
+    def lower(cls, objects: Any, numbering: Numbering) -> list[kg.Kernel]:
+        return [MiddleLoadKernel(item, numbering.edges) for item in objects]
+
+
+class MiddleLoadKernel(kg.Kernel):
+    """Forces along z on the rows of middles."""
+
+    name, pairs, scaled = "pressure", (), True
+
+    def __init__(self, item: MiddleLoad, edges: Any) -> None:
+        self.conn = edges.middle[edges.edge].reshape(-1, 1)
+        self.force = np.repeat(item.q * item.mesh.facet_areas / 3, 3)
+
+    def evaluate(self, x: Any, lam: float = 1.0, need: int = 2) -> kg.Contribution:
+        gradient = np.zeros((len(self.conn), 1, 3))
+        gradient[:, 0, 2] = -lam * self.force
+        return kg.Contribution(-lam * self.force * np.asarray(x)[self.conn[:, 0], 2], gradient)
 
 
 def at_point(results: kg.Results, mesh: kg.TriMesh, point: tuple[float, float]) -> float:

@@ -22,7 +22,7 @@ _HOME = {
     "TorsionSpring3": "elements.torsion_spring",
     "Facet": "elements.facet",
     "CurvedFacet": "elements.curved_facet",
-    "Normal": "geometry.normals",
+    "Normal": "elements.curved_facet",
     "ShellFacet": "elements.shell_facet",
     "Crease": "elements.crease",
     "Fix": "model.constraints",
@@ -103,6 +103,7 @@ if TYPE_CHECKING:
     from kirigami.elements.bend_hinge import BendHinge as BendHinge
     from kirigami.elements.crease import Crease as Crease
     from kirigami.elements.curved_facet import CurvedFacet as CurvedFacet
+    from kirigami.elements.curved_facet import Normal as Normal
     from kirigami.elements.facet import Facet as Facet
     from kirigami.elements.shell_facet import ShellFacet as ShellFacet
     from kirigami.elements.stiffness import Calibration as Calibration
@@ -116,7 +117,6 @@ if TYPE_CHECKING:
     from kirigami.errors import ModelError as ModelError
     from kirigami.geometry import cuts as cuts
     from kirigami.geometry.mesh import TriMesh as TriMesh
-    from kirigami.geometry.normals import Normal as Normal
     from kirigami.geometry.sheet import Sheet as Sheet
     from kirigami.lattice import bloch as bloch
     from kirigami.lattice import tilings as tilings

@@ -96,9 +96,7 @@ class Eigen(Analysis):
     def _nodal_mass(self, n: int) -> Array:
         if isinstance(self.mass, str):
             if self.mass == "unit":
-                mass = np.ones(n)
-                mass[self.model.normals[1]] = 0.0  # tips of normals are no points of the structure
-                return mass
+                return np.ones(n)
             constants, mesh = self.model.sheet_constants, self.model.mesh
             if constants is None or mesh is None or constants.material.density is None:
                 raise ModelError("Eigen: mass='lumped' needs a model from a mesh whose material has a density")

@@ -43,7 +43,7 @@ def add(commands: Any) -> None:
     parser.add_argument("--direction", choices=("y", "x"), default="y", help="of the pull (default: %(default)s)")
     parser.add_argument("--sizes", type=length, nargs="+", metavar="LENGTH", help="largest mesh edges")
     parser.add_argument(
-        "--stiffness", nargs="+", default=["paper", "plate", "facet", "split"], metavar="RUNG", help="default: all"
+        "--stiffness", nargs="+", default=["paper", "plate", "facet", "shell"], metavar="RUNG", help="default: all"
     )
     parser.add_argument("--tol", type=float, nargs="+", default=[1e-8], help="relative residuals (default: 1e-8)")
     parser.add_argument("--reference", type=Path, metavar="CSV", help="values to compare with")

@@ -56,7 +56,7 @@ def run(options: argparse.Namespace) -> int:
     seconds = time.perf_counter() - solved
 
     force, area = results.reaction(top, "y"), results.open_area(union=True)
-    z = results.position()[-1, results.without_tips, 2]
+    z = results.position()[-1, :, 2]
     peak = int(force.argmax())
     unknowns = int((~results.constrained).sum())
     stats, last = results.stats, results.lam[-1] * pull

@@ -38,12 +38,6 @@ def facet_edges(mesh: Any) -> Index:
     return found
 
 
-def held_edges(mesh: Any, nodes: Index) -> NDArray[np.bool_]:
-    """Which edges of a mesh a set of nodes holds."""
-    inside = np.isin(np.arange(len(mesh.nodes)), nodes)
-    return edges_within(facet_edges(mesh), mesh.edges, inside)
-
-
 def check_held(item: Any, numbering: Numbering) -> None:
     """Refuse a clamp or a mirror plane where nothing of the sheet can be held, in words.
 
@@ -54,11 +48,17 @@ def check_held(item: Any, numbering: Numbering) -> None:
         plane, or a sheet that lies in it.
     """
     said = "clamp=True" if item.clamp else "a mirror plane"
-    mesh, nodes = numbering.mesh, numbering.index(item.group)
-    if mesh is None or numbering.sheet is None:
+    mesh, rows, nodes = numbering.mesh, numbering.edges, numbering.index(item.group)
+    if rows is not None:
+        triangles, table, ends = rows.triangles, rows.edge, rows.ends
+    elif mesh is not None and numbering.sheet is not None:
+        triangles, table, ends = mesh.triangles, facet_edges(mesh), mesh.edges
+    else:
         raise ModelError(f"{item!r}: {said} needs a model made by Model.from_mesh: other models have no facets to hold")
     first = numbering.describe(int(nodes[0]))
-    held = held_edges(mesh, nodes) if item.clamp else _on_boundary(mesh, nodes)
+    inside = np.isin(np.arange(len(numbering.nodes)), nodes)
+    alone = np.bincount(table.ravel(), minlength=len(ends)) == 1
+    held = edges_within(table, ends, inside) if item.clamp else alone & inside[ends].all(axis=1)
     if not held.any():
         raise ModelError(
             f"{item!r} has {said}, but its nodes hold no edge on the boundary{' and no whole facet' * item.clamp} (the "
@@ -73,7 +73,8 @@ def check_held(item: Any, numbering: Numbering) -> None:
                 f"{item!r}: its nodes do not lie in one plane across {item.mirror}; {first} and "
                 f"{numbering.describe(far)} are {away.max():.3g} apart along it"
             )
-        wings = mesh.edge_wings[held, 0]
+        beside = triangles[held[table].any(axis=1)]
+        wings = nodes[:1] if inside[beside].all(axis=1).any() else beside[~inside[beside]]
         off = np.abs(numbering.rest[wings, axis] - numbering.rest[nodes[0], axis])
         if off.min() <= IN_PLANE * numbering.size:
             there = numbering.describe(int(wings[int(np.argmin(off))]))
@@ -93,7 +94,7 @@ def held_edge_kernels(holding: Sequence[Any], numbering: Numbering) -> list[Kern
     for item in holding:
         if item.mirror or numbering.dim == 3:
             check_held(item, numbering)
-    if numbering.dim == 2 or numbering.edges is not None or len(numbering.normals[0]):
+    if numbering.dim == 2 or numbering.edges is not None:
         return []
     mesh = numbering.mesh
     normals: dict[int, Array] = {}  # of the mirror plane at each edge held; zero where its direction is carried along

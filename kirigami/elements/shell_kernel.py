@@ -19,11 +19,19 @@ from kirigami.elements.shell_bending import (
 )
 from kirigami.elements.shell_geometry import EDGE_OF_POINT, Chart, facet_vectors
 from kirigami.elements.shell_membrane import Membrane
-from kirigami.elements.shell_rest import angle_scale, initial_directors
+from kirigami.elements.shell_rest import angle_scale, bulges, corner_normals, initial_directors
 from kirigami.primitives.kernel import EXACT, Array, CompiledKernel, Contribution, Kernel, Tangent, displacement_of
 
 CHUNK = 512  # facets whose Hessians are made at a time, so that they stay in the processor's cache
 SHARE = np.eye(3) + 1 / 3  # its square is 1 + the unit matrix: the mass of the barycentric coordinates
+
+# Integrals over the facet, by its area, of products of the l_i and of 4 l_a l_b.
+CONSISTENT = np.zeros((9, 9))
+CONSISTENT[:3, :3] = (1 + np.eye(3)) / 12
+CONSISTENT[3:6, 3:6] = (4 + 4 * np.eye(3)) / 45
+CONSISTENT[:3, 3:6] = [[2 / 15, 1 / 15, 2 / 15], [2 / 15, 2 / 15, 1 / 15], [1 / 15, 2 / 15, 2 / 15]]
+CONSISTENT[3:6, :3] = CONSISTENT[:3, 3:6].T
+LUMPED = np.diag([1 / 3] * 3 + [0.0] * 6)
 
 
 class ShellFacetKernel(Kernel):
@@ -70,6 +78,10 @@ class ShellFacetKernel(Kernel):
     def arrays(self) -> dict[str, Any]:
         return {name: getattr(self, name) for name in ("conn", "section", "forward", "density", "members")}
 
+    def stiffness_of_positions(self, stiffness: Array) -> Array:
+        """Strain comes from displacements, curvature from positions."""
+        return np.asarray(np.linalg.norm(self.section[:, 3:, 3:], axis=(1, 2)) / self.chart.area)
+
     def compiled(self) -> CompiledKernel:
         from kirigami.elements.compiled_shell import CompiledShell
 
@@ -112,6 +124,45 @@ class ShellFacetKernel(Kernel):
         moved[row, self._stored] = np.asarray(x)[row, self._stored] + turned / self._angle_scale
         return moved
 
+    def settle(self, x: Array) -> None:
+        """Edges bulge as the mean normals of the facets around say, beyond what they do so at rest, and turn by the
+        mean of the facets on them."""
+        triangles, edge = self.conn[:, :3], self._edge[::2].T
+        apart = np.bincount(edge.ravel()) < 2  # edges of one facet, and those whose sides have angles of their own
+        middles = self.conn[:, 3:6]
+        for sign, rows in ((1.0, np.asarray(x)), (-1.0, self.rest)):
+            normals = corner_normals(rows, triangles, edge, apart)
+            ends = np.stack([rows[triangles], rows[np.roll(triangles, -1, axis=1)]], axis=2).reshape(-1, 2, 3)
+            at_ends = np.stack([normals, np.roll(normals, -1, axis=1)], axis=2).reshape(-1, 2, 3)
+            found = bulges(ends, at_ends).reshape(-1, 3, 3)
+            if sign > 0:
+                total, count = np.zeros_like(self.rest), np.zeros(len(self.rest))
+                np.add.at(total, middles, found)
+                np.add.at(count, middles, 1.0)
+                now, normal = total[middles] / count[middles][..., None], normals
+            else:
+                # what the rest shape has beyond this, carried along with the normals
+                beyond = ((self.rest[middles] - found) * normals).sum(axis=2, keepdims=True)
+        x[middles] = now + beyond * normal
+        frames = edge_frames(self._vectors(x)[0])
+        self._directors = self._rest_directors
+        local = self._local_directors()
+        local = local - (local * frames.tangent).sum(axis=1, keepdims=True) * frames.tangent
+        size = np.linalg.norm(local, axis=1, keepdims=True)
+        local = np.where(size > 0.1, local / np.where(size > 0, size, 1.0), frames.normal)
+        directors = self._directors.copy()
+        directors[self._edge, self._stored] = local.transpose(0, 2, 1)
+        self._directors = directors
+        turned = (angles(frames, self._local_directors()) - self._rest_angles) / self._angle_scale
+        whole = 2 * np.pi / np.abs(self._angle_scale)
+        first = np.zeros((len(self._angle_rows), 2))
+        first[self._edge, self._stored] = turned
+        turned = turned - whole * np.round((turned - first[self._edge, self._stored]) / whole)
+        total, count = np.zeros_like(first), np.zeros_like(first)
+        np.add.at(total, (self._edge, self._stored), turned)
+        np.add.at(count, (self._edge, self._stored), 1.0)
+        x[self._angle_rows, :2] = total / count
+
     # ---- measures
 
     def _vectors(self, x: Array) -> tuple[Array, Array]:
@@ -147,6 +198,21 @@ class ShellFacetKernel(Kernel):
         the edge from corner i to j."""
         return np.asarray(self._fields(x).mean(axis=1))
 
+    def deformation_rate(self, x: Array, change: Array) -> Array:
+        vectors, directors = self._vectors(x)[0], self._local_directors()
+        moved = facet_vectors(change, self.conn).reshape(15, -1)
+        turned = np.asarray(change)[self.conn[:, 6:]].transpose(1, 2, 0).reshape(9, -1)
+        rates = np.empty((len(self.conn), 3, 6))
+        for start in range(0, len(self.conn), CHUNK):
+            part = slice(start, start + CHUNK)
+            v = vectors[..., part]
+            chains = self._chains(_State(v, area_frames(v), edge_frames(v), directors[..., part], part))
+            stretch = np.einsum("mzn,zn->mn", chains[0], moved[:, part])
+            bent = np.einsum("mzn,zn->mn", chains[1], np.concatenate([moved[:, part], turned[:, part]]))
+            rates[part, :, :3] = _apply(self._membrane.to_strain[part], stretch)
+            rates[part, :, 3:] = _apply(self._bending.to_curvature[part], bent)
+        return np.asarray(rates.mean(axis=1))
+
     def corner_deformation(self, x: Array) -> Array:
         """Strain and curvature (n, 3, 6) at the corners of each facet, in the axes of :meth:`deformation`."""
         return self._fields(x)
@@ -154,6 +220,14 @@ class ShellFacetKernel(Kernel):
     def force(self, deformation: Array) -> Array:
         """Forces and moments per length (n, 6): (Nxx, Nyy, Nxy, Mxx, Myy, Mxy) of a deformation (n, 6)."""
         return np.asarray(np.einsum("nab,nb->na", self.section, deformation))
+
+    def mass(self, lumped: bool = False) -> Array | None:
+        """Mass matrices (n, 9, 9) over the rows; lumped at the corners alone, a third each. Angles have none, as in
+        every theory without rotary inertia. None where a density is unknown."""
+        if self.density is None or not np.isfinite(self.density).all():
+            return None
+        shares = LUMPED if lumped else CONSISTENT
+        return np.asarray((self.density * self.chart.area)[:, None, None] * shares)
 
     def curvature(self, x: Array) -> Array:
         """Curvature (n, 3, 3) at the corners of each facet: (kxx, kyy, 2 kxy)."""

@@ -117,9 +117,10 @@ def bulges(ends: Array, normals: Array) -> Array:
 
 
 def corner_normals(points: Array, triangles: Index, edge: Index, is_fold: NDArray[np.bool_]) -> Array:
-    """Unit normals (m, 3, 3) at the corners of facets: the mean of the facets around, up to the next fold.
+    """Unit normals (m, 3, 3) at the corners of facets: of the smooth surface through the nodes, up to the next fold.
 
-    Weighted by sin / (|a| |b|) of the two sides at the corner, which is exact on a sphere. (Max, 1999)
+    First the mean of the facets around, weighted by sin / (|a| |b|) of the two sides at the corner (Max, 1999), then
+    that of the paraboloid through the node which fits those around it best: it does not lean at a free edge.
     """
     from scipy.sparse import coo_array
     from scipy.sparse.csgraph import connected_components
@@ -148,8 +149,50 @@ def corner_normals(points: Array, triangles: Index, edge: Index, is_fold: NDArra
     )
     graph = coo_array((np.ones(len(links), np.int8), (links[:, 0], links[:, 1])), shape=(nodes.size, nodes.size))
     parts, label = connected_components(graph, directed=False)
+    place = np.zeros((parts, 3))
+    place[label] = points[nodes]
     total = np.zeros((parts, 3))
     np.add.at(total, label, weighted.reshape(-1, 3))
     size = np.linalg.norm(total, axis=1)
-    mean = (total / np.where(size > 0, size, 1.0)[:, None])[label].reshape(-1, 3, 3)
-    return np.asarray(np.where((size > 0)[label].reshape(-1, 3, 1), mean, facet[:, None]))
+    mean = total / np.where(size > 0, size, 1.0)[:, None]
+    fitted = _of_paraboloids(place, mean, label.reshape(-1, 3))[label].reshape(-1, 3, 3)
+    return np.asarray(np.where((size > 0)[label].reshape(-1, 3, 1), fitted, facet[:, None]))
+
+
+def _of_paraboloids(place: Array, normal: Array, triangles: Index) -> Array:
+    """Normals (n, 3) at points of smooth surfaces, from a first guess: of the paraboloids through the points that fit
+    their neighbours and the neighbours of these, the nearer ones more; the guess where there are too few."""
+    from scipy.sparse import coo_array
+
+    n = len(place)
+    rows, columns = (np.concatenate([triangles[:, k] for k in which]) for which in ((0, 1, 2, 1, 2, 0),
+                                                                                   (1, 2, 0, 0, 1, 2)))  # fmt: skip
+    near = coo_array((np.ones(len(rows), np.int8), (rows, columns)), shape=(n, n)).tocsr()
+    near.data[:] = 1
+    pairs = (near + near @ near).tocoo()
+    at, to = pairs.row[pairs.row != pairs.col], pairs.col[pairs.row != pairs.col]
+    arm = place[to] - place[at]
+    distance = np.linalg.norm(arm, axis=1)
+    apart = distance > 0
+    at, arm, distance = at[apart], arm[apart], distance[apart]
+    reach = np.zeros(n)
+    np.maximum.at(reach, at, distance)
+    aside = np.eye(3)[np.argmin(np.abs(normal), axis=1)]
+    first = np.cross(normal, aside)
+    first /= np.linalg.norm(first, axis=1)[:, None]
+    second = np.cross(normal, first)
+    scale = reach[at]
+    x, y, z = ((arm * axis[at]).sum(axis=1) / scale for axis in (first, second, normal))
+    terms = np.stack([x, y, x * x, x * y, y * y], axis=1)
+    weight = (scale / distance) ** 2
+    matrix, right = np.zeros((n, 5, 5)), np.zeros((n, 5))
+    np.add.at(matrix, at, weight[:, None, None] * terms[:, :, None] * terms[:, None])
+    np.add.at(right, at, (weight * z)[:, None] * terms)
+    values = np.linalg.eigvalsh(matrix)
+    sound = values[:, 0] > 1e-4 * values[:, -1]
+    matrix[~sound] = np.eye(5)
+    slope = np.linalg.solve(matrix, right[..., None])[:, :2, 0]
+    sound &= np.linalg.norm(slope, axis=1) < 1.0
+    slope[~sound] = 0.0
+    found = normal - slope[:, :1] * first - slope[:, 1:] * second
+    return np.asarray(found / np.linalg.norm(found, axis=1)[:, None])

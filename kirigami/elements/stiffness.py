@@ -6,8 +6,9 @@ The rungs, from cheap to accurate, all on the same mesh:
   the plane and -1/3 in bending, so that twisting costs twice what it should; refinement does not change that.
 * "facet": the edges of a facet stretch and fold together, three unknowns a node. Uniform strain is exact for any
   Poisson ratio; bending and twisting are right within some percent on good meshes.
-* "split": curved facets. Every node carries a normal, which splits the fold angles among the facets around, six
-  unknowns a node. It passes all patch tests and converges to second order on any mesh.
+* "shell": six-node facets with two angles an edge, eighteen unknowns a node, of which only corners are seen. Exact for
+  uniform strain and curvature on any mesh, in tension and at folds too, of third to fourth order for plates; see
+  :mod:`kirigami.elements.shell_facet`. "split", which had normals at the nodes, is an old name of it.
 
 The constants of bars and hinges: with facet areas A, edge length L, thickness t and material (E, nu):
 
@@ -37,7 +38,14 @@ from kirigami.primitives.material import Material
 if TYPE_CHECKING:
     from kirigami.geometry.mesh import TriMesh
 
-RUNGS = ("paper", "plate", "facet", "split", "shell")  # from cheap to accurate
+RUNGS = ("paper", "plate", "facet", "shell")  # from cheap to accurate
+ALIASES = {"split": "shell"}  # names of earlier versions
+
+
+def rung_named(stiffness: str, owner: str) -> str:
+    """The rung of a name, also of an earlier version's, or a ModelError with the names there are."""
+    name: str = require_choice(stiffness, (*RUNGS, *ALIASES), "stiffness", owner)
+    return ALIASES.get(name, name)
 
 
 @dataclass(frozen=True)
@@ -76,7 +84,8 @@ class Calibration:
         require_instance(material, Material, "material", "Calibration.named")
         if isinstance(stiffness, Calibration):
             return stiffness
-        require_choice(stiffness, RUNGS, "stiffness", "Model.from_mesh", or_else="a Calibration(F_s, c)")
+        known = (*RUNGS, *ALIASES)
+        require_choice(stiffness, known, "stiffness", "Model.from_mesh", or_else="a Calibration(F_s, c)")
         if stiffness == "paper":
             return cls(F_s=0.85, c=0.125 / 48)
         return cls(F_s=1.0, c=1 / (12 * (1 - material.nu**2)))

@@ -113,8 +113,7 @@ def _packed(data: bytes) -> str:
 
 def _contents(results: Results, shown: NDArray[np.int64]) -> tuple[dict[str, Any], bytes]:
     """What the page must know, and the bytes of its arrays, one after the other."""
-    points = results.without_tips if results.mesh is not None else np.arange(len(results.rest))
-    positions = results.position()[shown][:, points]
+    positions = results.position()[shown]
     low, extent = positions.min(axis=(0, 1)), np.ptp(positions, axis=(0, 1))
     extent[extent == 0] = 1.0
     levels = np.round((positions - low) / extent * LEVELS).astype(np.uint16)
@@ -133,13 +132,13 @@ def _contents(results: Results, shown: NDArray[np.int64]) -> tuple[dict[str, Any
         blocks.append(_planes(mesh.triangles))
         lines = mesh.edges[mesh.boundary_edges]
         fields["strain"] = (facet_strain(results)[shown], "facet")
-        fields["energy"] = (energy_density(results)[shown][:, points], "node")
+        fields["energy"] = (energy_density(results)[shown], "node")
     else:
         head["triangles"] = 0
         lines = results.bars
         if len(lines):
             fields["strain"] = (results.bar_strain[shown], "line")
-        fields["energy"] = (energy_density(results)[shown][:, points], "node")
+        fields["energy"] = (energy_density(results)[shown], "node")
     head["lines"] = len(lines)
     blocks.append(_planes(lines))
     head["fields"] = {}

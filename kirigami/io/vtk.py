@@ -65,13 +65,12 @@ def write_vtk(results: Results, folder: str | os.PathLike[str], name: str = "ste
     energy = energy_density(results)
     reaction = _reactions(results)
     positions = results.position()
-    points = results.without_tips if results.mesh is not None else np.arange(len(results.rest))
     files = []
     for index in range(len(results)):
         fields = {"displacement": results.u, "reaction": reaction, "energy_density": energy}
-        point_data = {key: values[index][points] for key, values in fields.items()}
+        point_data = {key: values[index] for key, values in fields.items()}
         mesh = meshio.Mesh(
-            positions[index][points], cells, point_data, {key: [values[index]] for key, values in cell_data.items()}
+            positions[index], cells, point_data, {key: [values[index]] for key, values in cell_data.items()}
         )
         path = target / f"{name}_{index:04d}.vtu"
         with whole_file(path) as unfinished:

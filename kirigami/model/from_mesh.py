@@ -9,7 +9,7 @@ import numpy as np
 from kirigami.elements.bar import Bar
 from kirigami.elements.bend_hinge import BendHinge
 from kirigami.elements.mesh_bias import MeshBias
-from kirigami.elements.stiffness import Calibration, SheetConstants, bar_stiffness, hinge_stiffness
+from kirigami.elements.stiffness import ALIASES, Calibration, SheetConstants, bar_stiffness, hinge_stiffness
 from kirigami.errors import KirigamiWarning, ModelError
 from kirigami.geometry.mesh import TriMesh
 from kirigami.primitives.checks import require_instance, require_positive
@@ -21,7 +21,7 @@ FEW = 50  # facets below which a mesh is too small to have a pattern
 BIAS = 0.2  # unevenness of stiffness over the directions, before relaxation, that is worth a warning
 FOLD_BIAS = 0.3  # the same of bending and twisting, which meshes without a pattern make uneven by a quarter at worst
 FREE = 0.1  # stiffness lost at free edges that is worth a warning
-SMOOTH = ("split", "shell")  # rungs that are right on any mesh
+SMOOTH = ("shell",)  # rungs that are right on any mesh
 
 
 def sheet_parts(
@@ -44,21 +44,18 @@ def sheet_parts(
         raise ModelError(f"Model.from_mesh: the bending stiffness of thickness {thickness:g} overflows")
     calibration = Calibration.named(stiffness, material)
     nodes = [Node(*position) for position in mesh.nodes.tolist()]
-    rung = stiffness if isinstance(stiffness, str) else "calibration"
+    rung = ALIASES.get(stiffness, stiffness) if isinstance(stiffness, str) else "calibration"
     constants = SheetConstants(calibration, thickness, material, rung)
     _warn_of_bias(mesh, rung, material.nu, dim) if rung not in SMOOTH else None
     if rung == "shell":
+        if dim == 2:
+            raise ModelError("Model.from_mesh: stiffness='shell' bends, so it needs dim=3; in a plane use 'facet'")
         from kirigami.elements.shell_facet import ShellFacet
 
         corners = mesh.triangles.tolist()
         return nodes, [ShellFacet(nodes[i], nodes[j], nodes[k], thickness, material) for i, j, k in corners], constants
     if rung == "facet":
         return nodes, _facets(nodes, mesh, thickness, material), constants
-    if rung == "split":
-        if dim == 2:
-            raise ModelError("Model.from_mesh: stiffness='split' bends, so it needs dim=3; in a plane use 'facet'")
-        normals, curved = _curved_facets(nodes, mesh, thickness, material)
-        return nodes + normals, curved, constants
     EA = bar_stiffness(mesh, thickness, material.E, calibration.F_s).tolist()
     elements: list[ModelObject] = [
         Bar(nodes[j], nodes[k], value) for (j, k), value in zip(mesh.edges.tolist(), EA)
@@ -118,19 +115,6 @@ def _warn(
             stacklevel=5,
         )
     return bool(off)
-
-
-def _curved_facets(
-    nodes: list[Node], mesh: TriMesh, thickness: float, material: Material
-) -> tuple[list[Node], list[ModelObject]]:
-    """Every facet a curved one, and a normal at every node, with its tip on the upper face of the sheet."""
-    from kirigami.elements.curved_facet import CurvedFacet
-    from kirigami.geometry.normals import Normal, sheet_normals
-
-    directions = sheet_normals(mesh.nodes, mesh.triangles).tolist()
-    normals = [Normal(node, direction, 0.5 * thickness) for node, direction in zip(nodes, directions)]
-    corners = mesh.triangles.tolist()
-    return [*normals], [CurvedFacet(normals[i], normals[j], normals[k], thickness, material) for i, j, k in corners]
 
 
 def _facets(nodes: list[Node], mesh: TriMesh, thickness: float, material: Material) -> list[ModelObject]:

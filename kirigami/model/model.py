@@ -70,14 +70,13 @@ class Model:
         self._nodes: list[Node] = []
         self._rest: list[tuple[float, float, float]] = []  # where the nodes are in the rest state of this model
         self._index: dict[int, int] = {}
-        self._normals: list[tuple[int, int]] = []  # node and tip of its normal
         self._objects: dict[str, dict[int, Any]] = {kind: {} for kind in KINDS}  # by identity, in the order added
         self._views: dict[str, tuple[Any, ...]] = {}  # what is handed out, until the next edit
 
     def __setstate__(self, state: dict[str, Any]) -> None:
         """A copy has lists of its own. One made by ``copy.copy`` shares the nodes, but has its own rest state."""
         self.__dict__.update(state)
-        self._nodes, self._rest, self._normals = list(self._nodes), list(self._rest), list(self._normals)
+        self._nodes, self._rest = list(self._nodes), list(self._rest)
         self._index = {id(node): position for position, node in enumerate(self._nodes)}
         self._objects = {
             kind: {id(item): item for item in stored.values()} for kind, stored in self._objects.items()
@@ -117,11 +116,11 @@ class Model:
             Sheet thickness [length]; None takes the one the mesh carries from its sheet.
         material : Material, optional
             None takes the one the mesh carries from its sheet.
-        stiffness : {"plate", "paper", "facet", "split"} or Calibration
+        stiffness : {"plate", "paper", "facet", "shell"} or Calibration
             "plate": bars and hinges with constants from plate theory, the cheapest; "paper": with the published
-            constants; "facet": facets whose three edges stretch and fold together; "split": curved facets, which
-            converge to shell theory and cost about three times as much on the same mesh. See
-            :mod:`kirigami.stiffness`.
+            constants; "facet": facets whose three edges stretch and fold together; "shell": shell facets, which
+            converge to shell theory and cost several times as much on the same mesh, but need a coarser one. "split"
+            is an old name of "shell". See :mod:`kirigami.stiffness`.
         dim : {3, 2}
             2 gives bars only, or the membrane of "facet".
 
@@ -168,8 +167,6 @@ class Model:
         fresh = self._checked(items)
         for item in items:
             if isinstance(item, Node):
-                if item.base is not None:
-                    self._normals.append((self._index[id(item.base)], len(self._nodes)))
                 self._index[id(item)] = len(self._nodes)
                 self._nodes.append(item)
                 self._rest.append(item._position)
@@ -195,8 +192,6 @@ class Model:
                 raise ModelError(f"{item!r} is listed twice: add it once")
             if isinstance(item, Node):
                 self._check_node(item)
-                if item.base is not None and not known(item.base):
-                    raise ModelError(f"{item!r} stands on a node that is not in this model: add the node first")
                 fresh.append(item)
             else:
                 if item.kind not in KINDS:
@@ -308,11 +303,7 @@ class Model:
         Node(1, 0, 0.1)
         """
         offset = require_array(shape, name="shape", owner="perturb")  # a Mode turns into its shape
-        base, tip = self.normals
-        own = np.setdiff1d(np.arange(len(self._nodes)), tip)
-        if offset.shape[:1] == (len(self._nodes),):
-            offset = offset[own]
-        n = len(own)
+        n = len(self._nodes)
         if offset.shape == (n,):
             offset = np.stack([np.zeros(n), np.zeros(n), offset], axis=1)
         elif offset.shape == (n, 2):
@@ -326,15 +317,8 @@ class Model:
             if largest == 0:
                 raise ModelError("perturb: the shape is zero everywhere, so it cannot be scaled to an amplitude")
             offset *= require_finite(amplitude, "amplitude", "perturb") / largest
-        positions = self.positions()
-        moved = positions.copy()
-        moved[own] += offset
-        if len(tip):
-            from kirigami.geometry.normals import moved_tips
-
-            moved[tip] = moved_tips(base, tip, positions, moved, self.mesh)
         self._claim(self._nodes)
-        self._rest = [(x, y, z) for x, y, z in moved.tolist()]
+        self._rest = [(x, y, z) for x, y, z in (self.positions() + offset).tolist()]
         for node, position in zip(self._nodes, self._rest):
             if node.model is self:  # a node shared with a copy shows where it is in the model it was made for
                 node._position = position
@@ -374,12 +358,6 @@ class Model:
         if kind not in self._views:
             self._views[kind] = tuple(self._objects[kind].values())
         return self._views[kind]
-
-    @property
-    def normals(self) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-        """Indices (number of normals,) of the nodes that carry a normal, and of the tips of these normals."""
-        pairs = np.array(self._normals, dtype=np.int64).reshape(-1, 2)
-        return pairs[:, 0], pairs[:, 1]
 
     @property
     def elements(self) -> tuple[Any, ...]:
@@ -465,8 +443,6 @@ class Model:
             raise ModelError("select: the model has no nodes yet")
         x = self.positions()
         chosen = np.ones(len(x), dtype=bool)
-        if index is None:
-            chosen[self.normals[1]] = False  # the tips of normals go with their nodes
         if box is not None:
             chosen &= self._inside(box, x)
         if where is not None:
@@ -509,8 +485,7 @@ class Model:
 
     def __str__(self) -> str:
         counts = Counter(type(item).__name__ for item in self.objects)
-        normals = len(self._normals)
-        parts = [f"{len(self._nodes) - normals} nodes"] + ([f"{normals} normals"] if normals else [])
+        parts = [f"{len(self._nodes)} nodes"]
         parts += [f"{number} {name}" for name, number in counts.items()]
         return f"Model{f' {self.name!r}' if self.name else ''} in {self.dim}D: {', '.join(parts)}"
 

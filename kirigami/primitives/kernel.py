@@ -181,7 +181,6 @@ class Kernel:
     surface: bool = False
     approximates: bool = False
     compile_from: int = 5_000
-    normals: tuple[NDArray[np.int64], NDArray[np.int64]] | None = None  # nodes and tips of their normals, if it has any
 
     def __init_subclass__(cls) -> None:
         if cls.__dict__.get("pairs") == () and "stores_energy" not in cls.__dict__:
@@ -190,6 +189,11 @@ class Kernel:
     def evaluate(self, x: Array, lam: float = 1.0, need: int = 2) -> Contribution:
         """Energy (need 0), also the gradient (need 1), also the Hessian (need 2) at positions `x` (n_nodes, dim)."""
         raise NotImplementedError
+
+    def stiffness_of_positions(self, stiffness: Array) -> Array:
+        """The part of each member's `stiffness` (n,) at rest that acts on positions, and so on their rounding, instead
+        of displacements: all or nothing of it, by ``measures_displacement``, unless a kernel knows better."""
+        return np.asarray(0.0 * stiffness if self.measures_displacement else stiffness)
 
     def compiled(self) -> CompiledKernel | None:
         """The kernel's compiled twin, or None where it has none; asked for where Numba is installed and pays."""
@@ -222,6 +226,10 @@ class Kernel:
         """Rows `x` after a rotation (dim, dim) and a shift (dim,) of the structure: the points moved, and what stands
         behind them (see :class:`kirigami.Numbering`) as the kernel needs it for an energy that does not change."""
         return np.asarray(np.asarray(x) @ rotation.T + shift)
+
+    def settle(self, x: Array) -> None:
+        """Given where the nodes are, put a guess into the rows of `x` behind them, and take it as the state from which
+        history goes on; kernels without such rows have nothing to do."""
 
     # ---- history
 

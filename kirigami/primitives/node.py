@@ -36,7 +36,6 @@ class Node:
     """
 
     __slots__ = ("_owner", "_position", "name")
-    base: Node | None = None  # the node whose normal this one is the tip of (see kirigami.geometry.normals)
 
     def __init__(self, x: float, y: float, z: float = 0.0, *, name: str | None = None) -> None:
         self._position = (

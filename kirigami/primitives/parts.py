@@ -13,8 +13,6 @@ from kirigami.primitives.kernel import Array, Configuration, Kernel, full_hessia
 from kirigami.primitives.node import Node
 from kirigami.primitives.rows import EdgeRows
 
-NO_NORMALS = np.empty(0, np.int64), np.empty(0, np.int64)
-
 KINDS = ("element", "constraint", "load", "effect")
 
 
@@ -87,8 +85,6 @@ class Numbering:
         Their rest positions.
     mesh, sheet : optional
         The mesh and the constants of a sheet, where the model was made from one.
-    normals : tuple of ndarray
-        Nodes that carry a normal, and the tips of these normals.
 
     Attributes
     ----------
@@ -123,14 +119,12 @@ class Numbering:
         rest: Array,
         mesh: Any = None,
         sheet: Any = None,
-        normals: tuple[NDArray[np.int64], NDArray[np.int64]] = NO_NORMALS,
     ) -> None:
         self.nodes = tuple(nodes)
         self.rest = rest
         self.dim = rest.shape[1]
         self.mesh = mesh
         self.sheet = sheet
-        self.normals = normals
         self.size = float(np.linalg.norm(np.ptp(rest, axis=0))) or 1.0
         self.kernels: list[Kernel] = []  # what has been lowered so far: elements come before what acts on them
         self.points = len(rest)

@@ -7,12 +7,13 @@ import json
 import os
 import zipfile
 import zlib
-from dataclasses import astuple
+from dataclasses import astuple, replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from kirigami.elements.curved_facet import CurvedFacetKernel
 from kirigami.elements.stiffness import Calibration, SheetConstants
 from kirigami.errors import AnalysisError
 from kirigami.files import whole_file
@@ -228,6 +229,31 @@ def _supports(head: dict[str, Any], data: dict[str, Any]) -> tuple[Support, ...]
     return tuple(found)
 
 
+def _put_tips_behind(results: Results) -> None:
+    """Files of versions before 0.2 have the tips of normals among the nodes: these go to the rows behind them."""
+    for kernel in results.kernels:
+        if isinstance(kernel, CurvedFacetKernel):
+            tips = np.unique(kernel.conn[:, 3:])
+            count = len(results.rest) - len(tips)
+            if not np.array_equal(tips, np.arange(count, len(results.rest))):
+                return  # made by hand, in another order
+            results.inner_rest, results.rest = results.rest[count:, : results.dim], results.rest[:count]
+            results.steps = [_parted(step, count) for step in results.steps]
+            results.events = [
+                replace(
+                    event,
+                    located=event.located and _parted(event.located, count),
+                    mode=None if event.mode is None else event.mode[:count],
+                )
+                for event in results.events
+            ]
+            return
+
+
+def _parted(step: Step, count: int) -> Step:
+    return replace(step, u=step.u[:count], inner=step.u[count:])
+
+
 def _rebuild(head: dict[str, Any], data: dict[str, Any]) -> Results:
     results = Results.__new__(Results)
     results.forget_model()
@@ -251,6 +277,7 @@ def _rebuild(head: dict[str, Any], data: dict[str, Any]) -> Results:
         cls = getattr(importlib.import_module(f"kirigami.{KERNELS[entry['class']]}"), entry["class"])
         results.kernels.append(cls(rest, **values, **entry["values"]))
     results.steps, results.events = (_unpack_format_1 if head["format"] == 1 else unpack_path)(head, data)
+    _put_tips_behind(results)
     if head["mesh"] is not None:
         from kirigami.geometry.mesh import CutLoop, TriMesh
 

@@ -82,15 +82,10 @@ def nodal_energy(results: Results, step: int | None = None) -> Array:
     """
     chosen = results.steps if step is None else [results.steps[step]]
     total = np.zeros((len(chosen), len(results.rest)))
-    point = np.arange(len(results.rest))
-    for kernel in results.kernels:
-        if kernel.normals is not None:
-            base, tip = kernel.normals
-            point[tip] = base
     for kernel in results.kernels:
         if not kernel.stores_energy or not len(kernel.conn):
             continue
-        nodes = point[kernel.conn[:, (kernel.conn < len(point)).all(axis=0)]]  # rows behind the nodes have no place
+        nodes = kernel.conn[:, (kernel.conn < len(results.rest)).all(axis=0)]  # rows behind the nodes have no place
         for row, one in zip(total, chosen):
             np.add.at(row, nodes, results.member_energy(kernel, one)[:, None] / nodes.shape[1])
     return total if step is None else total[0]

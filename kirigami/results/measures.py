@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 def height(results: Results) -> Array:
     """Largest minus smallest z of all nodes (s,) [length]; see :func:`kirigami.post.shape.height`."""
-    return shape.height(results.position()[:, results.without_tips])
+    return shape.height(results.position())
 
 
 def width(results: Results, axis: str = "y", band: float = 0.5) -> Array:
@@ -114,7 +114,7 @@ def energy_shares(results: Results) -> dict[str, Array]:
 
 
 def _points(results: Results, owner: str) -> Array:
-    """Positions (s, n, 3) of the nodes of the mesh, without the tips of normals."""
+    """Positions (s, n, 3) of the nodes of the mesh."""
     return results.position()[:, : len(_drawn(results, owner).nodes)]
 
 

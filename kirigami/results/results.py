@@ -133,12 +133,6 @@ class Results(ModelRecord):
         single = isinstance(nodes, (Node, int, np.integer)) or (isinstance(nodes, str) and nodes in self.node_names)
         return moved[:, 0] if single else moved
 
-    @cached_property
-    def without_tips(self) -> NDArray[np.int64]:
-        """Indices of the nodes that are points of the structure: all but the tips of normals."""
-        tips = [kernel.normals[1] for kernel in self.kernels if kernel.normals is not None]
-        return np.setdiff1d(np.arange(len(self.rest)), np.concatenate([np.empty(0, np.int64), *tips]))
-
     # ---- forces and energies
 
     def member_deformation(self, kernel: Kernel, step: Step) -> Array:
@@ -215,7 +209,6 @@ class Results(ModelRecord):
         """The same (s, rows, dim), with the rows that elements keep behind the nodes."""
         from kirigami.system.assembly import scatter_add
 
-        normals = [kernel.normals for kernel in self.kernels if kernel.normals is not None]
         at_rest = self.configuration()
         total = np.zeros((len(self.steps), *at_rest.shape))
         for target, step in zip(total, self.steps):
@@ -230,8 +223,6 @@ class Results(ModelRecord):
                     gradient = self.evaluate_at(kernel, step, lambda x: kernel.evaluate(x, step.lam, 1)).gradient  # noqa: B023
                 assert gradient is not None
                 scatter_add(target, kernel.conn, gradient)
-            for base, tip in normals:  # what holds the normal of a node holds the node
-                np.add.at(target, base, target[tip])
         return total
 
     def reaction(self, nodes: Nodes, axis: str | Sequence[float] | Array | None = None) -> Array:

@@ -97,7 +97,7 @@ class StateReader:
         rows, at = matched(kernel.conn[:, :3], self.mesh.triangles)
         felt, borne = results.member_deformation(kernel, step)[rows], results.member_force(kernel, step)[rows]
         state.strain[at] = self._drawn(_tensor(felt[:, :3], half_shear=True), at)
-        if kernel.normals is not None or kernel.conn.shape[1] > 6:  # curved facets know their curvature best
+        if not isinstance(kernel, FacetKernel):  # shell facets know their curvature best
             state.curvature[at] = self._drawn(_tensor(felt[:, 3:], half_shear=True), at)
         state.force[at] = self._drawn(_tensor(borne[:, :3]), at)
         if isinstance(kernel, FacetKernel):

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike
 from kirigami.model.model import Model
 from kirigami.primitives.checks import require_array, require_finite, require_instance
 from kirigami.primitives.kernel import Array
+from kirigami.primitives.parts import ModelObject
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -77,7 +78,7 @@ class Step:
         lam : float
             Load factor.
         u : array_like, shape (n, 3) or (n, dim)
-            Displacements from the rest state [length].
+            Displacements from the rest state [length]. How shell facets bend between the nodes is guessed from them.
 
         Raises
         ------
@@ -89,7 +90,14 @@ class Step:
         given = require_array(u, (n, 3), (n, model.dim), name="u", owner="Step.at")
         full = np.zeros((n, 3))
         full[:, : given.shape[1]] = given
-        return cls(lam=lam, u=full, stage=model.stage, stage_key=model.stage_key)
+        step = cls(lam=lam, u=full, stage=model.stage, stage_key=model.stage_key)
+        if all(type(item).reserve is ModelObject.reserve for item in model.elements):
+            return step
+        from kirigami.system.system import System
+
+        system = System(model)  # elements with rows behind the nodes guess what is in them
+        inner = system.parted(system.settled(full))[1]
+        return replace(step, inner=inner, history=system.history)
 
     def __repr__(self) -> str:
         state = {None: "stability not counted", 0: "stable"}.get(self.negative, f"{self.negative} negative eigenvalues")

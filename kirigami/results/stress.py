@@ -67,7 +67,7 @@ class SheetStress:
     --------
     >>> import kirigami as kg
     >>> mesh = kg.Sheet([(0, 0), (2, 0), (2, 1), (0, 1)]).mesh(0.5)
-    >>> m = kg.Model.from_mesh(mesh, thickness=0.01, material=kg.Material(E=1e6, nu=0.3), stiffness="split")
+    >>> m = kg.Model.from_mesh(mesh, thickness=0.01, material=kg.Material(E=1e6, nu=0.3), stiffness="shell")
     >>> left, right = m.select(boundary="left"), m.select(boundary="right")
     >>> held = m.add(kg.Fix(left, "xz"), kg.Fix(left[0], "y"), kg.Fix(right, "z"), kg.Prescribe(right, x=2e-3))
     >>> stress = kg.LinearStatic(m).run().stress(-1)

@@ -18,7 +18,7 @@ LOOKS = {
     "paper": ("#999999", "v"),
     "plate": (style.BLUE, "o"),
     "facet": (style.GREEN, "s"),
-    "split": (style.VERMILION, "D"),
+    "shell": (style.VERMILION, "D"),
 }
 
 

@@ -80,14 +80,14 @@ def bracket(
     max_edge: float,
     *,
     quantity: str = "force",
-    stiffness: Sequence[str] = ("facet", "split"),
+    stiffness: Sequence[str] = ("facet", "shell"),
     at: float = 1.0,
     ratio: float = RATIO,
 ) -> Bracket:
     """Run two rungs on two meshes, and see whether they enclose the value.
 
     Flat facets cannot follow a curved sheet without stretching, so that "plate" and "facet" are too stiff on coarse
-    meshes of thin sheets, once these have buckled; curved facets hide length in their edges and are too soft there.
+    meshes of thin sheets, once these have buckled; shell facets follow it, and may be a little too soft there.
     Whether this holds for the sheet at hand is what the coarser mesh is for.
 
     Parameters

@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kirigami.elements.mesh_bias import free_compliance, stress_along
+from kirigami.elements.shell_geometry import GAUSS
 from kirigami.elements.stiffness import Calibration, SheetConstants
 from kirigami.errors import KirigamiWarning, ModelError
 from kirigami.model.model import Model
@@ -148,7 +149,7 @@ def report(
     >>> import shapely
     >>> import kirigami as kg
     >>> sheet = kg.Sheet(shapely.box(0, 0, 2, 1), thickness=0.01, material=kg.Material(E=1e9, nu=0.3))
-    >>> properties = kg.stiffness.report(sheet.mesh(0.2), stiffness="split")
+    >>> properties = kg.stiffness.report(sheet.mesh(0.2), stiffness="shell")
     >>> [round(properties.ratios[name][0], 3) for name in ("E", "G", "twisting")]
     [1.0, 1.0, 1.0]
     """
@@ -169,7 +170,7 @@ def report(
     on_edge = np.unique(flat.edges[flat.boundary_edges])
     inside = np.setdiff1d(np.arange(len(flat.nodes)), on_edge)
     _relax(matrix, membrane, _plane_motions(system, inside))
-    if not len(model.normals[0]):  # without normals a slope is held at the boundary by two rows of nodes
+    if system.edges is None:  # where edges have no angles, a slope is held at the boundary by two rows of nodes
         beside = flat.triangles[np.isin(flat.triangles, on_edge).any(axis=1)]
         inside = np.setdiff1d(inside, beside)
     _relax(matrix, bending, _bending_motions(system, inside))
@@ -191,42 +192,50 @@ def _free(mesh: TriMesh, constants: SheetConstants) -> Array:
 
 
 def _fields(system: System, mesh: TriMesh) -> tuple[Array, Array]:
-    """Displacements (nodes * 3, 3) of three uniform strains and of three uniform curvatures."""
+    """Displacements (rows * 3, 3) of three uniform strains and of three uniform curvatures."""
     n = len(system.rest)
-    base, tip = system.model.normals
-    x, y = mesh.nodes[:, 0] - mesh.nodes[:, 0].mean(), mesh.nodes[:, 1] - mesh.nodes[:, 1].mean()
+    centre = mesh.nodes[:, :2].mean(axis=0)
+    x, y = (mesh.nodes[:, :2] - centre).T
     zero = np.zeros_like(x)
     membrane, bending = np.zeros((n, 3, 3)), np.zeros((n, 3, 3))
     membrane[: len(x), 0] = np.column_stack([x, zero, y / 2])
     membrane[: len(x), 1] = np.column_stack([zero, y, x / 2])
     bending[: len(x), 2] = np.column_stack([x**2 / 2, y**2 / 2, x * y / 2])
-    membrane[tip], bending[tip] = membrane[base], bending[base]
-    if len(tip):
-        length = np.linalg.norm(system.rest[tip] - system.rest[base], axis=1)[:, None]
-        bending[tip, 0] -= length * np.column_stack([x, zero, y / 2])[base]
-        bending[tip, 1] -= length * np.column_stack([zero, y, x / 2])[base]
+    edges = system.edges
+    if edges is not None:  # middles lie below the mean of their ends, and the sheet turns about its edges
+        start = system.rest[edges.ends[:, 0], :2] - centre
+        along = system.rest[edges.ends[:, 1], :2] - centre - start
+        bending[edges.middle, 2] = -np.column_stack([along[:, 0] ** 2, along[:, 1] ** 2, along[:, 0] * along[:, 1]]) / 8
+        edge, row = edges.pairs
+        for point, share in enumerate(GAUSS):
+            px, py = (start + share * along).T
+            left = np.column_stack([-along[:, 1], along[:, 0]])  # across the edge, times its length
+            slope = np.column_stack([px * left[:, 0], py * left[:, 1], (px * left[:, 1] + py * left[:, 0]) / 2])
+            bending[row, point] = -slope[edge]
     return membrane.reshape(3 * n, 3), bending.reshape(3 * n, 3)
 
 
+def _inner_edges(system: System) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """Rows of the middles and of the angles of edges between two facets, where elements have such rows."""
+    edges = system.edges
+    if edges is None:
+        return np.empty(0, np.int64), np.empty(0, np.int64)
+    inner = np.bincount(edges.edge.ravel()) > 1
+    edge, row = edges.pairs
+    return edges.middle[inner], row[inner[edge]]
+
+
 def _plane_motions(system: System, inside: NDArray[np.int64]) -> list[NDArray[np.int64]]:
-    """Groups of displacements that move as one when nodes inside move in the plane: a node, and its normal with it."""
-    carried = dict(zip(*(indices.tolist() for indices in system.model.normals)))
-    return [
-        np.array([3 * node + axis] + ([3 * carried[node] + axis] if node in carried else []))
-        for node in inside.tolist()
-        for axis in (0, 1)
-    ]
+    """Groups of displacements that move as one when nodes inside move in the plane."""
+    middles, _ = _inner_edges(system)
+    return [np.array([3 * row + axis]) for row in [*inside.tolist(), *middles.tolist()] for axis in (0, 1)]
 
 
 def _bending_motions(system: System, inside: NDArray[np.int64]) -> list[NDArray[np.int64]]:
-    """The same when the sheet bends: a node moves across, with the tip of its normal, and the normal tilts."""
-    carried = dict(zip(*(indices.tolist() for indices in system.model.normals)))
-    groups = []
-    for node in inside.tolist():
-        groups.append(np.array([3 * node + 2] + ([3 * carried[node] + 2] if node in carried else [])))
-        if node in carried:
-            groups += [np.array([3 * carried[node]]), np.array([3 * carried[node] + 1])]
-    return groups
+    """The same when the sheet bends: nodes and middles move across, and edges turn."""
+    middles, turns = _inner_edges(system)
+    groups = [np.array([3 * row + 2]) for row in [*inside.tolist(), *middles.tolist()]]
+    return groups + [np.array([3 * row + point]) for row in turns.tolist() for point in (0, 1)]
 
 
 def _relax(matrix: object, fields: Array, groups: list[NDArray[np.int64]]) -> None:
@@ -252,10 +261,10 @@ def _per_area(system: System, mesh: TriMesh, fields: Array, whole: bool) -> Arra
     total, area = np.zeros((3, 3)), 0.0
     own = fields.reshape(-1, 3, 3)
     for kernel in system.kernels:
-        if kernel.name not in (("bars", "facets") if whole else ("hinges", "facets")):
+        if kernel.name not in (("bars", "facets", "shell") if whole else ("hinges", "facets", "shell")):
             continue
         share = _area_share(kernel, mesh)
-        if not whole and kernel.name == "facets" and not len(system.model.normals[0]):
+        if not whole and kernel.name == "facets":
             share = np.where(kernel.conn.shape[1] == 6, share, 0.0)  # facets with a free edge are not representative
         local = own[kernel.conn]
         blocks = full_hessian(kernel, kernel.evaluate(rest, 0.0, 2))
@@ -269,7 +278,7 @@ def _per_area(system: System, mesh: TriMesh, fields: Array, whole: bool) -> Arra
 
 def _area_share(kernel: Kernel, mesh: TriMesh) -> Array:
     """Area of the sheet that each member stands for."""
-    if kernel.name == "facets":
+    if kernel.name in ("facets", "shell"):
         corners = mesh.nodes[kernel.conn[:, :3]]
         cross = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
         return np.asarray(0.5 * np.linalg.norm(cross, axis=1))

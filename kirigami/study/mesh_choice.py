@@ -14,7 +14,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from kirigami.analysis.path.methods import DisplacementControl
-from kirigami.elements.stiffness import RUNGS
+from kirigami.elements.stiffness import rung_named
 from kirigami.errors import AnalysisError
 from kirigami.primitives.checks import (
     require_between,
@@ -155,7 +155,7 @@ def choose_mesh(
     error: float = 0.05,
     *,
     quantity: str = "force",
-    stiffness: str = "split",
+    stiffness: str = "shell",
     at: float = 1.0,
     order: float | None = None,
     most: int = 4,
@@ -174,7 +174,7 @@ def choose_mesh(
     quantity : {"force", "open_area", "height"}
         Of what.
     stiffness : str
-        Rung of accuracy; only "split" converges to the sheet, the others to a limit of their own.
+        Rung of accuracy; only "shell" converges to the sheet, the others to a limit of their own.
     at : float
         Load factor.
     order : float, optional
@@ -280,7 +280,7 @@ def run_case(case: Case, max_edge: float, stiffness: str, at: float, quantity: s
     """Run a case to a load factor, and take the value there."""
     require_callable(case, "case", owner)
     require_choice(quantity, QUANTITIES, "quantity", owner)
-    require_choice(stiffness, RUNGS, "stiffness", owner)
+    stiffness = rung_named(stiffness, owner)
     at = require_positive(at, "at", owner)
     begin = time.process_time()
     model, nodes, axis = case(require_positive(max_edge, "max_edge", owner), stiffness)

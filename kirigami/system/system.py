@@ -75,7 +75,7 @@ class System(Unknowns):
         self.clock = Clock()
         with self.clock("lowering"):
             rest = model.positions()[:, : model.dim].copy()
-            numbering = Numbering(model.nodes, rest, model.mesh, model.sheet_constants, model.normals)
+            numbering = Numbering(model.nodes, rest, model.mesh, model.sheet_constants)
             self.size, self.points = numbering.size, numbering.points
             self.kernels = self._lower(model.objects, numbering)
             self._reach = numbering.reach[self.points :]
@@ -118,20 +118,22 @@ class System(Unknowns):
     def _measure(self) -> None:
         """Median member length and stiffness, and the size of forces that are nothing but rounding."""
         rest = self.configuration(np.zeros_like(self.rest))
-        lengths, stiffness, shrinks = [], [], []
+        lengths, stiffness, rounded, exact = [], [], [], []
         for kernel in self.kernels:
             if kernel.pairs == () or not kernel.stores_energy:
                 continue
             hessian = hessian_blocks(kernel, rest, 0.0)
             stiffness.append(np.sqrt((hessian.reshape(len(kernel.conn), -1) ** 2).sum(axis=1)))
-            shrinks.append(np.full(len(kernel.conn), kernel.measures_displacement))
+            rounded.append(kernel.stiffness_of_positions(stiffness[-1]))
+            exact.append(stiffness[-1] if kernel.measures_displacement else 0.0 * stiffness[-1])
             if kernel.conn.shape[1] > 1 and kernel.conn[:, :2].max(initial=0) < self.points:
                 corner = self.rest[kernel.conn[:, :2]]
                 lengths.append(np.linalg.norm(corner[:, 1] - corner[:, 0], axis=1))
         self.length = float(np.median(np.concatenate(lengths))) if lengths else self.size
-        norms, shrink = np.concatenate(stiffness), np.concatenate(shrinks)
-        parts = norms[np.logical_not(shrink)], norms[shrink]
-        self._noises = [ROUNDING * self.length * float(np.linalg.norm(part)) for part in parts]
+        norms = np.concatenate(stiffness)
+        self._noises = [
+            ROUNDING * self.length * float(np.linalg.norm(np.concatenate(part))) for part in (rounded, exact)
+        ]
         self.noise = math.hypot(*self._noises)
         norms = norms[norms > 0] if norms.any() else norms  # what is not in touch at rest says nothing
         self.stiffness_scale = float(np.median(norms))
@@ -165,6 +167,17 @@ class System(Unknowns):
                 f"{self.points} and {len(self.rest) - self.points}"
             )
         return np.concatenate([u, inner])[:, : self.dim]
+
+    def settled(self, u: Array) -> Array:
+        """Rows (rows, dim) for displacements (n, 3) of the nodes alone: elements guess what stands behind them, and
+        the history of kernels goes on from there."""
+        x = np.array(self.rest)
+        x[: self.points] += np.asarray(u, dtype=float)[:, : self.dim]
+        for kernel in self.kernels:
+            kernel.settle(x)
+        rows: Array = x - self.rest
+        rows[: self.points] = np.asarray(u, dtype=float)[:, : self.dim]
+        return rows
 
     # ---- evaluation
 

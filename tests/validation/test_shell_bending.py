@@ -105,14 +105,14 @@ def rolled(pattern, across, along, thickness, angle, nu=0.0):
     results = kg.LoadControl(model).run()
     assert results.stable.all()
     energy = results.energy["shell"][-1] / (0.5 * rigidity * bent**2 * length * width)
-    return energy, results.position(right)[-1].mean(axis=0) / length
+    return energy, results.position(right)[-1].mean(axis=0) / length, results
 
 
 @pytest.mark.parametrize("slenderness", [1.0, 0.1, 0.01, 0.001])
 @pytest.mark.parametrize("pattern", PATTERNS)
 def test_bending_to_a_cylinder_does_not_lock(pattern, slenderness):
     """Energy under a given end moment is that of the arc, whatever the thickness, at 0.2 rad a facet."""
-    energy, end = rolled(pattern, 4, 8, 0.25 * slenderness, 8 * 0.2)
+    energy, end, _ = rolled(pattern, 4, 8, 0.25 * slenderness, 8 * 0.2)
     # At t k = 0.2 thick-shell terms of (t k)^2 / 4, which the strain of the middle surface takes up, are seen.
     assert energy == pytest.approx(1, abs=0.02 if slenderness == 1.0 else 1e-3)
     assert end[[0, 2]] == pytest.approx([np.sin(1.6) / 1.6, (1 - np.cos(1.6)) / 1.6],
@@ -123,7 +123,7 @@ def test_bending_to_a_cylinder_does_not_lock(pattern, slenderness):
 @pytest.mark.parametrize("pattern", PATTERNS)
 def test_a_strip_rolls_up_to_a_circle(pattern, across, along, bound):
     """A full turn with 45 degrees a facet, and with half of that."""
-    energy, end = rolled(pattern, across, along, 0.005, 2 * np.pi)
+    energy, end, _ = rolled(pattern, across, along, 0.005, 2 * np.pi)
     assert energy == pytest.approx(1, abs=bound)
     assert end[[0, 2]] == pytest.approx([0, 0], abs=bound / 2)
 
@@ -172,3 +172,17 @@ def test_thin_sheets_stay_solvable():
         force = line_load(system, right)[:, None] * turn[:, 2]
         solution = system.displacement(factorize(system.stiffness()).solve(system.reduce(force)), 0.0)
         assert float((force * solution).sum()) == pytest.approx(64 / (3 * thickness**3 / 12), rel=bound)
+
+
+@pytest.mark.parametrize("pattern", PATTERNS)
+def test_faces_of_a_cylinder_bear_what_a_plate_bears(pattern):
+    """E t / (2 R) round it on both faces, of the state that the forces belong to: all energy stored is in it."""
+    thickness, angle = 0.0025, 8 * 0.2
+    energy, _, results = rolled(pattern, 4, 8, thickness, angle)
+    stress = results.stress(-1)
+    bending = thickness * (angle / 2.0) / 2
+    for fibre, sign in (("top", -1), ("bottom", 1)):
+        np.testing.assert_allclose(stress.tensor(fibre)[:, 0, 0], sign * bending, rtol=0.01)
+        np.testing.assert_allclose(stress.tensor(fibre)[:, 1, 1], 0, atol=0.01 * bending)
+    total = stress.membrane_energy.sum() + stress.bending_energy.sum()
+    assert total == pytest.approx(results.energy["shell"][-1], rel=1e-9)
