@@ -162,15 +162,16 @@ class MeshBias:
         mesh = self.mesh
         inner, rates, dyads = self._folds
         dyads = dyads * (mesh.edge_lengths[inner] / self.shared[inner])[:, None]
-        found = np.zeros((len(mesh.triangles), 3, 3))
-        for side in (0, 1):
-            np.add.at(found, mesh.edge_facets[inner, side], dyads[:, :, None] * rates[:, None])
-        whole = np.bincount(mesh.edge_facets[inner].ravel(), minlength=len(found)) == 3
-        area = mesh.facet_areas[whole]
-        if not len(area):  # facets with free edges say nothing of others
+        facet = mesh.edge_facets[inner].T.ravel()
+        whole = np.flatnonzero(np.bincount(facet, minlength=len(mesh.triangles)) == 3)
+        if not len(whole):  # facets with free edges say nothing of others
             return _plate(self.nu)
-        found = found[whole]
-        return np.asarray(np.einsum("f,fai,ab,fbj->ij", area / area.sum(), found, _plate(self.nu), found))
+        order = np.argsort(facet, kind="stable")
+        fold = (order % len(inner))[np.isin(facet[order], whole)].reshape(-1, 3)
+        found = np.einsum("fca,fci->fai", dyads[fold], rates[fold])
+        area = mesh.facet_areas[whole]
+        bent = _plate(self.nu) @ found
+        return np.asarray(np.einsum("f,fai,faj->ij", area / area.sum(), found, bent))
 
     @property
     def facet_bending(self) -> Range:
