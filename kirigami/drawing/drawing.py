@@ -165,9 +165,13 @@ def assemble(
         left.setdefault(slit.numbers, []).append(shapely.LineString(slit.points))
     shapes: list[Any] = []
     for curve in cuts.inside:
-        shapes += [openings[id(curve)]] if curve.closed else left.pop(curve.numbers, [])
-    shapes += whole.openings
-    outline = shapely.Polygon(whole.rim.exterior, [hole.exterior for hole in holes])
+        if not curve.closed:
+            shapes += left.pop(curve.numbers, [])
+        elif whole.bounded_by(openings[id(curve)], gap):
+            shapes.append(openings[id(curve)])
+    holes = [hole for hole in holes if whole.bounded_by(hole, gap)]
+    outline = _with_holes(whole.rim, holes)
+    shapes += whole.openings if outline.interiors or not holes else [*whole.openings, *holes]
     rings = [outline.exterior, *outline.interiors, *(s.exterior for s in shapes if isinstance(s, shapely.Polygon))]
     for note in short_of(whole.slits, rings, gap, measure):
         _tell(note, said)
@@ -257,6 +261,12 @@ def _found_rim(
     if rim.note:
         _tell(rim.note, said)
     return rim, []
+
+
+def _with_holes(rim: Any, holes: Sequence[Any]) -> Any:
+    """The outline with its holes, or without them where they touch it or one another: then they are cuts."""
+    outline = shapely.Polygon(rim.exterior, [hole.exterior for hole in holes])
+    return outline if outline.is_valid else rim
 
 
 def _opening(curve: Curve) -> Any:

@@ -93,7 +93,7 @@ def network(lines: Sequence[Floats], tolerance: float) -> Network:
     """
     drawn = np.concatenate(lines)
     low = drawn.min(axis=0)
-    size = float(np.ptp(drawn, axis=0).max())
+    size = float(np.ptp(drawn, axis=0).max()) or 1.0
     start = np.cumsum([0, *(len(line) for line in lines)])
     first = np.concatenate([np.arange(a, b - 1) for a, b in pairwise(start)])
     owner = np.repeat(np.arange(len(lines)), [len(line) - 1 for line in lines])

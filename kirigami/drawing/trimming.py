@@ -62,7 +62,7 @@ def trimmed(curves: Sequence[Curve], rim: Any, gap: float) -> Trimmed:
         elif curve.closed:
             opening = shapely.Polygon(curve.points)
             common = shapely.make_valid(opening).intersection(rim).area
-            if common <= gap * line.length:
+            if common <= gap * line.length or opening.covers(rim):  # beside the sheet, or a frame round it
                 result.outside.append(curve)
             else:
                 result.inside.append(curve)
@@ -83,12 +83,20 @@ def trimmed(curves: Sequence[Curve], rim: Any, gap: float) -> Trimmed:
 
 @dataclass(frozen=True, eq=False)
 class Whole:
-    """The sheet without its scrap: the rim, the slits that are left, the openings that scrap has left, and notes."""
+    """The sheet without its scrap: the rim, the slits that are left, the openings that scrap has left, and notes.
+
+    `body` is what is left of the sheet, or None where nothing fell out.
+    """
 
     rim: Any
     slits: list[Curve]
     openings: list[Any]
     notes: list[str]
+    body: Any = None
+
+    def bounded_by(self, shape: Any, gap: float) -> bool:
+        """Whether a hole still is one of the sheet, and not of what fell out."""
+        return self.body is None or bool(shapely.dwithin(self.body, shape, gap))
 
 
 def without_scrap(
@@ -167,7 +175,8 @@ def without_scrap(
     more = f"; and {len(fallen) - 6} more" if len(fallen) > 6 else ""
     verb = "falls" if len(scrap) == 1 else "fall"
     note = f"{counted(len(scrap), 'piece')} that cuts sever {verb} out: {'; '.join(fallen[:6])}{more}"
-    return Whole(new_rim, left_slits, [shapely.Polygon(faces[k].exterior) for k in inner], [note])
+    openings = [shapely.Polygon(faces[k].exterior) for k in inner]
+    return Whole(new_rim, left_slits, openings, [note], faces[kept])
 
 
 def _touching(rim: Any, slits: Sequence[Curve], holes: Sequence[Any], gap: float) -> list[int]:
