@@ -56,7 +56,7 @@ def test_two_meshes_of_a_sheet_get_one_field(sheet, sides, stiffness, bound):
     assert distance(coarse.mesh, offsets(coarse), fine.mesh, offsets(fine)) < bound
 
 
-@pytest.mark.parametrize(("stiffness", "bound"), [("plate", 0.25), ("facet", 0.12), ("split", 0.08)])
+@pytest.mark.parametrize(("stiffness", "bound"), [("plate", 0.25), ("facet", 0.12)])
 def test_the_rungs_get_one_field_within_their_error_in_bending(stiffness, bound):
     """Plates of bars and hinges cost twice in twist, facets are 2 to 12 % off on meshes of the mesher."""
     shell, other = held(SLIT_SHEET, stiffness="shell"), held(SLIT_SHEET, stiffness=stiffness)
@@ -77,7 +77,7 @@ def test_it_is_the_deflection_under_a_pressure_hence_a_sum_of_bending_modes():
     assert (shares[np.argsort(values)[:10]] ** 2).sum() > 0.9 * (shares**2).sum()
 
 
-@pytest.mark.parametrize("stiffness", ["plate", "facet", "split", "shell"])
+@pytest.mark.parametrize("stiffness", ["plate", "facet", "shell"])
 def test_it_is_free_of_stress_and_keeps_the_supports_in_place(stiffness):
     model = held(SLIT_SHEET, nodes=600, stiffness=stiffness)
     moved = offsets(model, amplitude=None)

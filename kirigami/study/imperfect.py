@@ -84,8 +84,7 @@ def _height(model: Model) -> float:
 
 def bending_field(model: Model, seed: int) -> Array:
     """The shape (nodes, 3) of the imperfection with a seed, of any size."""
-    own = np.setdiff1d(np.arange(len(model.nodes)), model.normals[1])  # tips of normals are no points of the sheet
-    place = model.positions()[own]
+    place = model.positions()
     if len(place) < 3:
         raise ModelError(f"imperfect: a model of {len(place)} nodes has nothing that bends")
     loads, areas, normal = _random_loads(model, place, seed)
@@ -97,7 +96,7 @@ def bending_field(model: Model, seed: int) -> Array:
 
     def reduced(values: Array) -> Array:
         rows = np.zeros_like(system.rest)
-        rows[own] = values
+        rows[: len(place)] = values  # behind the nodes follow the unknowns of elements
         return system.reduce(rows)
 
     weight = reduced(np.repeat(areas[:, None], 3, axis=1))
@@ -117,7 +116,7 @@ def bending_field(model: Model, seed: int) -> Array:
         ) from None
     found = factor.solve(force)
     found = found - rigid @ (rigid.T @ (weight * found))
-    field = system.displacement(found, 0.0)[own]
+    field = np.asarray(system.displacement(found, 0.0)[: len(place)], dtype=float)
     if normal is not None:
         field = np.outer(field @ normal, normal)
     if not np.isfinite(field).all() or not np.abs(field).max(initial=0.0) > 0:
