@@ -76,7 +76,7 @@ class Buckling(Analysis):
             rate = factor.solve(-system.load_rate(rest, 0.0, blocks))
         stiffness = self._prestressed(system, constant, rate, 0.0)
         try:
-            factor = run.factorize(stiffness)
+            factor = run.factorize(stiffness) if constant.any() else factor
             unstable = factor.negative > 0
         except SingularMatrixError:
             unstable = True

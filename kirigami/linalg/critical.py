@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -57,20 +58,28 @@ class _CriticalSearch:
 
     def run(self, count: int) -> tuple[Array, Array]:
         """The lowest factors, counted."""
-        everything = self._negative(LIMIT)
-        count = min(count, everything)
-        if not count:
+        found = self._shift()
+        if found is None:
             return np.empty(0), self.nothing
-        shift, shifted, factor = self._shift()
+        shift, shifted, factor = found
         values, vectors = np.empty(0), self.nothing
-        wanted = min(count + SPARE, everything)
+        # Pairs beyond what is looked for need not settle. Where the first was near at once, there should be enough others.
+        wanted = count + SPARE if shift == 0 else min(count + SPARE, self.everything)
         for seed in range(ROUNDS):
             space = self._space(shifted, factor, vectors, seed)
-            inverse, more = leading_pairs(space, wanted)
+            try:
+                inverse, more = leading_pairs(space, wanted)
+            except AnalysisError:
+                if wanted <= self.everything - len(values):
+                    raise
+                wanted = self.everything - len(values)
+                continue
+            near = inverse > 1 / (LIMIT - shift)
+            inverse, more = inverse[near], more[:, near]
             values, vectors = np.append(values, shift + 1 / inverse), np.hstack([vectors, more])
             order = np.argsort(values, kind="stable")
             values, vectors = values[order], vectors[:, order]
-            missing = self._missing(values, count, everything)
+            missing = self._missing(values, count)
             if not missing:
                 return values[:count], vectors[:, :count]
             wanted = missing + SPARE
@@ -79,8 +88,14 @@ class _CriticalSearch:
     def _space(self, shifted: Any, factor: Factor, avoid: Array, seed: int) -> KrylovSpace:
         return KrylovSpace(lambda v: -factor.solve(self.geometric @ v), shifted, avoid, seed)
 
-    def _shift(self) -> tuple[float, Any, Factor]:
-        """A shift below the lowest factor that is not far from it, its matrix, and the factor of that."""
+    @cached_property
+    def everything(self) -> int:
+        """Number of critical factors that are looked for at all."""
+        return self._negative(LIMIT)
+
+    def _shift(self) -> tuple[float, Any, Factor] | None:
+        """A shift below the lowest factor that is not far from it, its matrix, and the factor of that; None where there
+        is no factor."""
         shift, shifted, factor, high = 0.0, self.stiffness, self.factor, LIMIT
         for _ in range(ROUNDS):
             space = self._space(shifted, factor, self.nothing, 0)
@@ -91,6 +106,8 @@ class _CriticalSearch:
                 high = min(high, shift + 1 / float(inverse[0]))
                 if errors[0] <= 1e-3 * inverse[0]:
                     break
+            elif not self.everything:
+                return None
             if shift >= NEAR * high:
                 break
             trial = self._trial(shift, high)
@@ -122,12 +139,10 @@ class _CriticalSearch:
                 continue
         raise AnalysisError(f"the critical load factors below {factor:.6g} cannot be counted")
 
-    def _missing(self, values: Array, count: int, everything: int) -> int:
+    def _missing(self, values: Array, count: int) -> int:
         """How many factors were not found below the widest gap from the last one asked for on."""
-        if len(values) >= everything:
-            return 0
         if len(values) <= count:
-            return count + 1 - len(values)
+            return max(min(count + 1, self.everything) - len(values), 0)
         at = count + int(np.argmax(np.diff(values[count - 1 :]) / values[count:]))
         below = self._negative(0.5 * float(values[at - 1] + values[at]))
         if below < at:
