@@ -63,7 +63,7 @@ class _CriticalSearch:
             return np.empty(0), self.nothing
         shift, shifted, factor = found
         values, vectors = np.empty(0), self.nothing
-        # Pairs beyond what is looked for need not settle. Where the first was near at once, there should be enough others.
+        # Pairs beyond what is looked for need not settle; where the first was near at once, enough others should be.
         wanted = count + SPARE if shift == 0 else min(count + SPARE, self.everything)
         for seed in range(ROUNDS):
             space = self._space(shifted, factor, vectors, seed)
