@@ -108,3 +108,48 @@ class EdgeMomentKernel(kg.Kernel):
         gradient[:, 0, :2] = lam * self.force[:, None]
         stored = np.asarray(x)[self.conn[:, 0], :2]
         return kg.Contribution(lam * self.force * stored.sum(axis=1), gradient)
+
+
+class Spread(kg.ModelObject):
+    """A dead force spread evenly over an area (all facets) or along the boundary edges between nodes, on the middles of
+    edges as well: by the integrals of l_i and of 4 l_a l_b."""
+
+    kind = "load"
+
+    def __init__(self, force, group, along_edges):
+        self.force, self.group, self.along_edges = np.asarray(force, float), tuple(group), along_edges
+
+    @property
+    def nodes(self):
+        return self.group
+
+    @classmethod
+    def lower(cls, objects, numbering):
+        return [SpreadKernel(item, numbering) for item in objects]
+
+
+class SpreadKernel(kg.Kernel):
+    """Potential -force . u, row by row; the force is that per area or length."""
+
+    name, pairs, scaled = "spread loads", (), True
+
+    def __init__(self, item, numbering):
+        edges, rest = numbering.edges, numbering.rest
+        weight = np.zeros(len(rest))
+        if item.along_edges:
+            inside = np.isin(edges.ends, numbering.index(item.group)).all(axis=1)
+            inside &= np.bincount(edges.edge.ravel()) == 1
+            np.add.at(weight, edges.ends[inside], 0.5 * edges.length[inside, None])
+            weight[edges.middle[inside]] = 2 / 3 * edges.length[inside]
+        else:
+            corner = rest[edges.triangles]
+            area = 0.5 * np.linalg.norm(np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0]), axis=1)
+            np.add.at(weight, edges.triangles, area[:, None] / 3)
+            np.add.at(weight, edges.middle[edges.edge], area[:, None] / 3)
+        self.conn = np.flatnonzero(weight)[:, None]
+        self.force = weight[self.conn] * item.force
+        self.rest = rest
+
+    def evaluate(self, x, lam=1.0, need=2):
+        u = kg.displacement_of(x, self.rest)[self.conn[:, 0]]
+        return kg.Contribution(-lam * (u * self.force).sum(axis=1), -lam * self.force[:, None])

@@ -45,11 +45,11 @@ def shell(points, triangles, thickness, material, normals=None):
 
 
 def hold(model, nodes, mirrors=None, supports=None):
-    """Mirror planes and supports, each a dictionary of node numbers by axis; the first also keep the sheet's slope."""
+    """Mirror planes and supports, each a dictionary of node numbers by axis."""
     taken = {}
     for axis, numbers in (mirrors or {}).items():
         taken[axis] = set(numbers)
-        model.add(kg.Fix([nodes[k] for k in sorted(taken[axis])], axis, clamp=True))
+        model.add(kg.Symmetry([nodes[k] for k in sorted(taken[axis])], axis))
     for axis, numbers in (supports or {}).items():
         left = sorted(set(numbers) - taken.get(axis, set()))
         if left:
@@ -71,13 +71,14 @@ def around_x(points):
     return radial / np.linalg.norm(radial, axis=1)[:, None]
 
 
-def hemisphere(n):
+def hemisphere(n, exact=True):
     """Sze 3.4, an octant pair: half of the hemisphere's quarter with an 18 degree hole, pinched; probes B, -A."""
     radius, top = 10.0, np.radians(72)
     points, triangles, _ = grid(n, n, lambda u, v: (
         radius * np.cos(np.pi / 2 * u) * np.cos(v * top), radius * np.sin(np.pi / 2 * u) * np.cos(v * top),
         radius * np.sin(v * top)))  # fmt: skip
-    model, nodes = shell(points, triangles, 0.04, kg.Material(6.825e7, 0.3), points / radius)
+    model, nodes = shell(points, triangles, 0.04, kg.Material(6.825e7, 0.3),
+                         points / radius if exact else None)  # fmt: skip
     hold(model, nodes, {"x": at_zero(points[:, 0]), "y": at_zero(points[:, 1])}, {"z": [near(points, (0, radius, 0))]})
     return model, nodes, points, radius
 
