@@ -29,7 +29,8 @@ from typing import Any
 import numpy as np
 
 import kirigami as kg
-from kirigami.study.accuracy import QUANTITIES, quantities, read_reference
+from kirigami.study.accuracy import quantities
+from kirigami.study.reference import QUANTITIES, read_reference
 
 DATA = Path(__file__).parent / "data"
 
@@ -124,7 +125,7 @@ def lower_lip_down(m: kg.Model) -> tuple[kg.Step, int]:
 def reference(case: str) -> dict[str, np.ndarray]:
     """The finest shell curve at the load factors, its force reduced by the error that remains."""
     known = CASES[case]
-    values = read_reference(DATA / f"{case}_{known.finest}_shell.csv", np.array(known.at))
+    values = read_reference(DATA / f"{case}_{known.finest}_shell.csv", np.array(known.at)).values
     if known.shift:
         values["force"] = values["force"] * (1 - np.array(known.remaining))
     return values
@@ -137,7 +138,7 @@ def errors(case: str, row: dict[str, Any], wanted: dict[str, np.ndarray]) -> dic
 
 
 def shell_errors(case: str, level: str, wanted: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
-    values = read_reference(DATA / f"{case}_{level}_shell.csv", np.array(CASES[case].at))
+    values = read_reference(DATA / f"{case}_{level}_shell.csv", np.array(CASES[case].at)).values
     return {name: values[name] / wanted[name] - 1 for name in QUANTITIES}
 
 

@@ -27,18 +27,32 @@ def pulled(max_edge: float, stiffness: str):
 @pytest.fixture(scope="module")
 def study(tmp_path_factory: pytest.TempPathFactory) -> kg.study.AccuracyStudy:
     path = tmp_path_factory.mktemp("study") / "sheet"
-    return kg.study.accuracy(pulled, [1.0, 0.3, 0.15], path=path, stiffness=["plate", "split"], at=[0.5, 1.0])
+    return kg.study.accuracy(pulled, [1.0, 0.4, 0.2], path=path, stiffness=["plate", "facet", "shell"], at=[0.5, 1.0])
 
 
-def test_errors_fall_with_the_mesh_and_the_reference_has_none(study: kg.study.AccuracyStudy) -> None:
-    rows = [row for row in study.table if row["stiffness"] == "split" and row["status"] == "done"]
-    errors = [study.error(row, "force") for row in rows]
-    assert errors[1] < 0.6 * errors[0] and np.isnan(errors[2])
-    assert study.named.startswith("split, max_edge 0.09")
+def test_errors_fall_with_the_mesh_and_none_is_less_than_that_of_the_reference(study: kg.study.AccuracyStudy) -> None:
+    own = study.judge.own_error("force")
+    assert 0 < own < 0.05
+    assert study.named.startswith("limit of shell, max_edge 0.2, 0.1549, 0.12 (its own error: ")
+    for rung in ("facet", "shell"):
+        rows = [row for row in study.table if row["stiffness"] == rung and row["status"] == "done"]
+        errors = [study.error(row, "force") for row in rows]
+        assert errors == sorted(errors, reverse=True) and errors[0] > 1.3 * errors[1]
+        assert errors[-1] >= own
+    # the last run of the reference differs from the limit by just what the reference adds to it
+    assert study.error(list(study.table)[-1], "force") == pytest.approx(own)
+
+
+def test_the_reference_is_the_limit_of_its_runs(study: kg.study.AccuracyStudy) -> None:
+    """A slit makes the error one of first order; uniform tension of the sheet bounds the limit from above."""
+    runs = [study.values(row, "force") for row in study.table if row["stiffness"] == "shell" and row["status"] == "done"]
+    assert (np.diff([values[-1] for values in runs]) < 0).all()
+    assert (study.reference["force"] < runs[-1]).all()
+    assert study.reference["force"][1] < 1e6 / (1 - 0.3**2) * 0.01 * 1e-4
 
 
 def test_failures_are_rows(study: kg.study.AccuracyStudy) -> None:
-    assert len(study.table.failed) == 2 and "too coarse on purpose" in str(study)
+    assert len(study.table.failed) == 3 and "too coarse on purpose" in str(study)
 
 
 def test_front_and_advice(study: kg.study.AccuracyStudy) -> None:
@@ -47,7 +61,7 @@ def test_front_and_advice(study: kg.study.AccuracyStudy) -> None:
     errors = [study.error(row, "force") for row in front]
     assert seconds == sorted(seconds) and errors == sorted(errors, reverse=True)
     assert study.recommend(10.0).startswith("1000 % in force: ")
-    assert "not reached" in study.recommend(1e-6)
+    assert "cannot be told; the reference itself is known to" in study.recommend(1e-6)
     figure = study.plot({"another code": {"force": (0.02, 3.0)}})
     assert len(figure.axes) == 3 and "failed" in figure.get_supxlabel()
 
@@ -70,6 +84,62 @@ def test_a_reference_file_is_interpolated(tmp_path: Path) -> None:
         pulled, [0.3], path=tmp_path / "a", stiffness=["plate"], at=[0.75], reference=file
     )
     assert study.reference["force"] == pytest.approx([4.0]) and np.isnan(study.reference["height"]).all()
+
+
+def test_the_error_of_a_given_reference_bounds_that_of_the_runs(tmp_path: Path) -> None:
+    known = {"load_factor": [0, 1], "force": [0, 1.04], "force_error": [0.2, 0.2]}
+    study = kg.study.accuracy(pulled, [0.3], path=tmp_path / "a", stiffness=["plate"], at=[1.0], reference=known)
+    assert study.error(list(study.table)[0], "force") == pytest.approx(0.2)
+    assert "given values (its own error: 20 % in force)" in str(study)
+    del known["force_error"]
+    silent = kg.study.accuracy(pulled, [0.3], path=tmp_path / "b", stiffness=["plate"], at=[1.0], reference=known)
+    assert "its own error is not stated" in str(silent)
+
+
+def squeezed(max_edge: float, stiffness: str):
+    """A strip that buckles in one half wave, or, on the coarser mesh, is led into three."""
+    sheet = kg.Sheet(shapely.box(0, 0, 3, 1), thickness=0.02, material=kg.Material(E=1e6, nu=0.3))
+    m = kg.Model.from_mesh(sheet.mesh(max_edge), stiffness=stiffness)
+    x = m.positions()[:, 0]
+    waves = 3 if max_edge > 0.34 else 1
+    m.perturb(np.sin(waves * np.pi * x / 3), amplitude=0.05)
+    left, right = m.select(boundary="left"), m.select(boundary="right")
+    m.add(kg.Fix(left), kg.Prescribe(right, x=-1e-4, y=0, z=0))
+    return m, right, "x"
+
+
+def test_runs_on_another_shape_are_told_and_not_compared(tmp_path: Path) -> None:
+    study = kg.study.accuracy(squeezed, [0.4, 0.3], path=tmp_path / "a", stiffness=["facet"], at=[1.0])
+    coarse, fine = list(study.table)[:2]
+    assert study.other_shape(coarse) == 1.0 and study.other_shape(fine) is None
+    assert np.isnan(study.error(coarse, "force")) and np.isfinite(study.error(fine, "force"))
+    assert all(row["max_edge"] != 0.4 for row in study.front())
+    assert "another shape at 1" in str(study)
+    assert "another shape: facet 0.4" in study.plot().get_supxlabel()
+
+
+def test_prints_of_shapes_know_reflections_and_sides() -> None:
+    from kirigami.study.shape_print import print_distance, shape_print
+
+    sheet = kg.Sheet(shapely.box(0, 0, 3, 2), thickness=0.02, material=kg.Material(E=1e6, nu=0.3))
+
+    def shape(max_edge: float, height) -> str:
+        m = kg.Model.from_mesh(sheet.mesh(max_edge))
+        x, y, _ = m.positions().T
+        m.perturb(height(x / 3, y / 2))
+        m.add(kg.Fix(m.select(boundary="left")), kg.NodalLoad(m.nodes[-1], (0, 0, 1e-12)))
+        return shape_print(kg.LinearStatic(m).run(), 0)
+
+    def bump(x, y):
+        return np.exp(-20 * ((x - 0.3) ** 2 + (y - 0.6) ** 2))
+
+    one = shape(0.1, bump)
+    assert print_distance(one, shape(0.14, bump)) < 0.05
+    assert print_distance(one, shape(0.1, lambda x, y: -0.3 * bump(1 - x, y))) < 0.05
+    assert print_distance(one, shape(0.1, lambda x, y: bump(x, 1 - y))) < 0.05
+    assert print_distance(one, shape(0.1, lambda x, y: bump(x - 0.2, y))) > 0.5
+    flat = shape(0.1, lambda x, y: 0 * x)
+    assert flat == "flat" and print_distance(flat, one) == np.inf
 
 
 @pytest.mark.parametrize(

@@ -11,7 +11,8 @@ from matplotlib import pyplot
 from numpy.typing import NDArray
 
 import kirigami as kg
-from kirigami.study.mesh_choice import observed_order, shape_distance
+from kirigami.study.convergence import observed_order
+from kirigami.study.mesh_choice import shape_distance
 from kirigami.system.system import System
 
 MATERIAL = kg.Material(E=3.5e9, nu=0.34)

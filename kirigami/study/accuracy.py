@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-import csv
 import os
 import time
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -30,6 +28,8 @@ from kirigami.primitives.checks import (
 from kirigami.primitives.kernel import Array
 from kirigami.primitives.node import Node
 from kirigami.results.results import Results
+from kirigami.study.reference import QUANTITIES, Reference, limit_reference, read_reference
+from kirigami.study.shape_print import print_distance, shape_print
 from kirigami.sweep.sweep import Sweep
 from kirigami.sweep.table import SweepTable
 
@@ -37,8 +37,8 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 Case = Callable[[float, str], tuple[Model, Sequence[Node], str]]
-QUANTITIES = ("force", "open_area", "height")
-FINER = 0.6  # size of the reference mesh over the smallest one of the study
+FINER = (1.0, float(np.sqrt(0.6)), 0.6)  # sizes of the reference meshes over the smallest one of the study
+ALIKE = 0.35  # relative distance of two shapes from which on they are different
 
 
 @dataclass(frozen=True)
@@ -49,46 +49,65 @@ class AccuracyStudy:
     ----------
     table : SweepTable
         One row a run: stiffness, max_edge, tol, nodes, unknowns, seconds (CPU), factorizations, status and error, and
-        each quantity at each load factor, such as ``"force at 0.5"``.
+        each quantity at each load factor, such as ``"force at 0.5"``; also a print of the shape there.
     at : ndarray, shape (k,)
         Load factors at which runs are compared.
-    reference : dict of ndarray, each shape (k,)
-        The reference values of ``"force"``, ``"open_area"`` and ``"height"``; nan where the reference says nothing.
-    named : str
-        What the reference is.
-    own : int or None
-        Number of the run that is the reference, if one of them is.
+    judge : Reference
+        What they are compared with, and the error of that.
+    shapes : tuple of str
+        Prints of the shape that a run must have to be compared at all.
+    alike : float
+        Relative distance of two shapes from which on they are different.
     """
 
     table: SweepTable
     at: Array
-    reference: dict[str, Array]
-    named: str
-    own: int | None = None
+    judge: Reference
+    shapes: tuple[str, ...]
+    alike: float = ALIKE
+
+    @property
+    def reference(self) -> dict[str, Array]:
+        """The reference values of ``"force"``, ``"open_area"`` and ``"height"`` (k,); nan where nothing is known."""
+        return self.judge.values
+
+    @property
+    def named(self) -> str:
+        """What the reference is, and its own error."""
+        return str(self.judge)
+
+    def other_shape(self, row: Mapping[str, Any]) -> float | None:
+        """The first load factor at which a run has another shape than the reference; None where it has the same."""
+        for lam, shape in zip(self.at.tolist(), self.shapes):
+            found = row.get(_column("shape", lam))
+            if found not in (None, "") and print_distance(str(found), shape) > self.alike:
+                return float(lam)
+        return None
 
     def values(self, row: Mapping[str, Any], quantity: str) -> Array:
         """A quantity of one run at each load factor (k,); nan where the run did not get there."""
         require_choice(quantity, QUANTITIES, "quantity", "AccuracyStudy")
         require_mapping(row, "row", "AccuracyStudy")
-        found = [row.get(_column(quantity, lam)) for lam in self.at]
-        return np.array([np.nan if value in (None, "") else float(value) for value in found])
+        return _row_values(row, quantity, self.at.tolist())
 
     def error(self, row: Mapping[str, Any], quantity: str) -> float:
-        """Largest relative error of a quantity over the load factors; nan for a run that did not reach them all.
+        """Largest relative error of a quantity over the load factors, and no less than that of the reference itself.
 
-        Heights and areas are compared with their largest reference value, forces each with its own.
+        It is nan for a run that did not reach all load factors, or has another shape than the reference: the two are
+        answers to different questions then. Heights and areas are compared with their largest reference value, forces
+        each with its own.
         """
         require_choice(quantity, QUANTITIES, "quantity", "AccuracyStudy")
         if require_mapping(row, "row", "AccuracyStudy").get("status") is None:
             raise ModelError("AccuracyStudy: row must be a row of the table of the study")
-        known = np.isfinite(self.reference[quantity])
-        if row["status"] != "done" or not known.any() or row["design"] == self.own:
+        scale = self.judge.scale(quantity)
+        known = np.isfinite(scale)
+        if row["status"] != "done" or not known.any() or self.other_shape(row) is not None:
             return float("nan")
-        wanted = self.reference[quantity][known]
-        scale = np.abs(wanted) if quantity == "force" else np.abs(wanted).max()
-        if not np.all(scale > 0):  # nothing to compare with, as the open area of a sheet without cuts
+        if not np.all(scale[known] > 0):  # nothing to compare with, as the open area of a sheet without cuts
             return float("nan")
-        return float(np.max(np.abs(self.values(row, quantity)[known] - wanted) / scale))
+        difference = np.abs(self.values(row, quantity) - self.reference[quantity])[known] / scale[known]
+        return float(np.maximum(difference.max(), self.judge.own_error(quantity)))
 
     def front(self, quantity: str = "force") -> list[dict[str, Any]]:
         """The runs that no other run beats in both error and seconds, from cheap to accurate (the Pareto front)."""
@@ -110,7 +129,9 @@ class AccuracyStudy:
         name = require_choice(quantity, QUANTITIES, "quantity", "recommend").replace("_", " ")
         front = self.front(quantity)
         if not front:
-            return f"{name}: no run reached the end and can be compared"
+            return f"{name}: no run reached the end in the shape of the reference, so none can be compared"
+        if error < (own := self.judge.own_error(quantity)):
+            return f"{100 * error:g} % in {name}: cannot be told; the reference itself is known to {100 * own:.2g} %"
         for row in front:
             if self.error(row, quantity) <= error:
                 return f"{100 * error:g} % in {name}: {_told(row)} (error {100 * self.error(row, quantity):.2g} %)"
@@ -123,7 +144,8 @@ class AccuracyStudy:
     def __str__(self) -> str:
         """A table to copy: every run, its cost and its largest errors in percent."""
         lines = [
-            f"reference: {self.named}; errors are the largest over load factors {', '.join(f'{v:g}' for v in self.at)}",
+            f"reference: {self.named}; errors are the largest over load factors {', '.join(f'{v:g}' for v in self.at)}"
+            ", and no less than its own",
             "| stiffness | max_edge | tol | nodes | seconds | factorizations | force % | open area % | height % |",
             "| --- | --- | --- | --- | --- | --- | --- | --- | --- |",
         ]
@@ -132,12 +154,14 @@ class AccuracyStudy:
             if row["status"] != "done":
                 lines.append(head + f"{row['status']}: {row.get('error') or ''} |||||")
                 continue
+            if (lam := self.other_shape(row)) is not None:
+                lines.append(f"{head}{_cost(row)} | another shape at {lam:g} |||")
+                continue
             errors = " | ".join(
                 "-" if np.isnan(value) else f"{100 * value:.2g}"
                 for value in (self.error(row, quantity) for quantity in QUANTITIES)
             )
-            cost = f"{int(row['nodes'])} | {float(row['cpu_seconds']):.1f} | {int(row['factorizations'])}"
-            lines.append(f"{head}{cost} | {errors} |")
+            lines.append(f"{head}{_cost(row)} | {errors} |")
         return "\n".join(lines)
 
     def plot(self, others: Mapping[str, Mapping[str, tuple[float, float]]] | None = None) -> Figure:
@@ -167,12 +191,14 @@ def accuracy(
     tolerances: Iterable[float] = (1e-8,),
     at: Iterable[float] = (0.25, 0.5, 1.0),
     reference: str | os.PathLike[str] | Mapping[str, Sequence[float]] | None = None,
+    alike: float = ALIKE,
     progress: bool = False,
 ) -> AccuracyStudy:
     """Run a sheet on every rung of accuracy, mesh size and tolerance, and compare error with time.
 
     The runs go one after the other, so that their CPU seconds can be compared. Run it again after an interruption and
-    it goes on where it was; a run that fails is a row that says why.
+    it goes on where it was; a run that fails is a row that says why. Only runs on one shape are compared: a sheet has
+    many, and the difference of two shapes is no error of a mesh.
 
     Parameters
     ----------
@@ -190,8 +216,12 @@ def accuracy(
     at : iterable of float
         Load factors at which runs are compared.
     reference : path or mapping, optional
-        A CSV file, or a mapping, with columns ``load_factor`` and any of ``force``, ``open_area``, ``height``. None
-        runs the last rung on a mesh of 0.6 times the smallest size.
+        A CSV file, or a mapping, with columns ``load_factor`` and any of ``force``, ``open_area``, ``height``, and of
+        ``force_error`` and its kin, the relative errors of these. The shape is then that of the finest run of the best
+        rung. None runs the most accurate rung on meshes of 1, 0.77 and 0.6 times the smallest size and takes their
+        limit; its own error is what it adds to the last of them.
+    alike : float
+        Relative distance of two shapes, up to reflections and sides, from which on they are different.
     progress : bool
         Show how far it is.
 
@@ -228,36 +258,66 @@ def accuracy(
     edges = [require_positive(size, "size", "accuracy") for size in require_items(sizes, "sizes", "accuracy")]
     rungs = [rung_named(rung, "accuracy") for rung in require_items(stiffness, "stiffness", "accuracy")]
     limits = [require_positive(tol, "tol", "accuracy") for tol in require_items(tolerances, "tolerances", "accuracy")]
+    alike = require_positive(alike, "alike", "accuracy")
     if not edges or not rungs or not limits or not load_factors.size or load_factors[0] <= 0:
         raise ModelError("accuracy: give at least one size, one stiffness, one tolerance and one positive load factor")
     designs = [{"stiffness": rung, "max_edge": edge, "tol": tol} for tol in limits for rung in rungs for edge in edges]
-    if reference is None:
-        designs.append({"stiffness": rungs[-1], "max_edge": FINER * min(edges), "tol": min(limits)})
     given = None if reference is None else read_reference(reference, load_factors)  # a slip must not cost the runs
+    finer = [] if given else [{"stiffness": RUNGS[-1], "max_edge": s * min(edges), "tol": min(limits)} for s in FINER]
+    designs += [design for design in finer if design not in designs]
     targets = load_factors.tolist()
 
-    def run(stiffness: str, max_edge: float, tol: float) -> dict[str, float]:
+    def run(stiffness: str, max_edge: float, tol: float) -> dict[str, float | str]:
         return measured(case, stiffness, max_edge, tol, targets)
 
-    run.__qualname__ = f"accuracy at {targets}"
+    run.__qualname__ = f"accuracy on one shape at {targets}"
     with ThreadPoolExecutor(1) as alone:
         table = Sweep(run, designs, path).run(alone, progress=progress)
-    if given is not None and reference is not None:
-        name = "given values" if isinstance(reference, Mapping) else Path(reference).name
-        return AccuracyStudy(table, load_factors, given, name)
-    last = list(table)[-1]
-    name = f"{last['stiffness']}, max_edge {float(last['max_edge']):.4g}"
-    study = AccuracyStudy(table, load_factors, {}, name, own=int(last["design"]))
-    study.reference.update({quantity: study.values(last, quantity) for quantity in QUANTITIES})
-    return study
+    rows = [dict(row) for row in table]
+    if given is not None:
+        return AccuracyStudy(table, load_factors, given, _shapes(_finest(rows), targets), alike)
+    judges = [rows[designs.index(design)] for design in finer]
+    return AccuracyStudy(table, load_factors, _limit(judges, targets, alike), _shapes(judges[-1], targets), alike)
 
 
-def measured(case: Case, stiffness: str, max_edge: float, tol: float, targets: Sequence[float]) -> dict[str, float]:
-    """Run one case and return its cost, and force, open area and height at the load factors `targets`."""
+def _finest(rows: Sequence[Mapping[str, Any]]) -> Mapping[str, Any]:
+    """The finest run that ended, of the best rung there is."""
+    done = [row for row in rows if row["status"] == "done"]
+    return max(done, key=lambda row: (RUNGS.index(row["stiffness"]), -float(row["max_edge"])), default={})
+
+
+def _shapes(row: Mapping[str, Any], targets: Sequence[float]) -> tuple[str, ...]:
+    found = [str(row.get(_column("shape", lam)) or "") for lam in targets]
+    return tuple(found) if all(found) else ()
+
+
+def _limit(rows: Sequence[Mapping[str, Any]], targets: Sequence[float], alike: float) -> Reference:
+    """The limit of the reference runs; nan where one of them failed."""
+    sizes = [float(row["max_edge"]) for row in rows]
+    named = f"limit of {rows[-1]['stiffness']}, max_edge {', '.join(f'{size:.4g}' for size in sizes)}"
+    runs = [{name: _row_values(row, name, targets) for name in QUANTITIES} for row in rows]
+    shapes = [_shapes(row, targets) for row in rows]
+    one_shape = all(
+        print_distance(one, other) <= alike for found in shapes[:-1] for one, other in zip(found, shapes[-1])
+    )
+    if not one_shape:
+        named += ", which end in different shapes"
+    return limit_reference(named, sizes, runs, one_shape)
+
+
+def _row_values(row: Mapping[str, Any], quantity: str, load_factors: Sequence[float]) -> Array:
+    found = [row.get(_column(quantity, lam)) for lam in load_factors]
+    return np.array([np.nan if value in (None, "") else float(value) for value in found])
+
+
+def measured(
+    case: Case, stiffness: str, max_edge: float, tol: float, targets: Sequence[float]
+) -> dict[str, float | str]:
+    """Run one case and return its cost, and force, open area, height and shape at the load factors `targets`."""
     begin = time.process_time()
     model, nodes, axis = case(max_edge, stiffness)
     results = DisplacementControl(model, to=max(targets), targets=targets, tol=tol).run()
-    row: dict[str, float] = {
+    row: dict[str, float | str] = {
         "nodes": len(model.nodes),
         "unknowns": results.stats["unknowns"],
         "cpu_seconds": time.process_time() - begin,
@@ -268,6 +328,7 @@ def measured(case: Case, stiffness: str, max_edge: float, tol: float, targets: S
         step = int(np.argmin(np.abs(results.lam - lam)))
         found = {_column(quantity, lam): float(values[quantity][step]) for quantity in QUANTITIES}
         row |= {name: value for name, value in found.items() if np.isfinite(value)}  # no cuts, no open area
+        row[_column("shape", lam)] = shape_print(results, step)
     return row
 
 
@@ -280,39 +341,12 @@ def quantities(results: Results, nodes: Sequence[Node], axis: str) -> dict[str, 
     return {"force": results.reaction(nodes, axis), "open_area": area, "height": results.height()}
 
 
-def read_reference(
-    reference: str | os.PathLike[str] | Mapping[str, Sequence[float]], load_factors: Array
-) -> dict[str, Array]:
-    """Reference values at the load factors, between those given by linear interpolation."""
-    if isinstance(reference, Mapping):
-        given = require_mapping(reference, "reference", "accuracy")
-        columns = {name: require_array(values, (None,), name=name, owner="accuracy") for name, values in given.items()}
-        owner = "the reference"
-    else:
-        owner = str(require_path(reference, "reference", "accuracy"))
-        try:
-            with open(reference, newline="") as file:
-                rows = list(csv.DictReader(line for line in file if not line.startswith("#")))
-            columns = {name: np.array([float(row[name]) for row in rows]) for name in (rows[0] if rows else {})}
-        except (OSError, ValueError, TypeError) as error:
-            raise ModelError(f"accuracy: {owner} cannot be read as a table of numbers ({error})") from None
-    lam = columns.get("load_factor")
-    if lam is None or not set(QUANTITIES) & set(columns):
-        raise ModelError(f"accuracy: {owner} needs columns load_factor and at least one of {', '.join(QUANTITIES)}")
-    order = np.argsort(lam)
-    if load_factors.max() > lam.max() * (1 + 1e-9) or load_factors.min() < lam.min() * (1 - 1e-9):
-        raise ModelError(
-            f"accuracy: {owner} spans load factors {lam.min():g} to {lam.max():g}, not all of {load_factors.tolist()}"
-        )
-    missing = np.full(len(load_factors), np.nan)
-    return {
-        name: np.interp(load_factors, lam[order], columns[name][order]) if name in columns else missing.copy()
-        for name in QUANTITIES
-    }
-
-
 def _column(quantity: str, lam: float) -> str:
     return f"{quantity} at {lam:g}"
+
+
+def _cost(row: Mapping[str, Any]) -> str:
+    return f"{int(row['nodes'])} | {float(row['cpu_seconds']):.1f} | {int(row['factorizations'])}"
 
 
 def _told(row: Mapping[str, Any]) -> str:

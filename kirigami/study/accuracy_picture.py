@@ -28,7 +28,7 @@ def draw_accuracy(study: AccuracyStudy, others: Mapping[str, Mapping[str, tuple[
     from matplotlib.figure import Figure
     from matplotlib.ticker import LogFormatter
 
-    from kirigami.study.accuracy import QUANTITIES
+    from kirigami.study.reference import QUANTITIES
 
     shown = [name for name in QUANTITIES if np.isfinite(study.reference[name]).any()]
     figure = Figure(figsize=(3.4 * len(shown), 3.4), layout="constrained")
@@ -41,7 +41,7 @@ def draw_accuracy(study: AccuracyStudy, others: Mapping[str, Mapping[str, tuple[
             rows.sort(key=lambda row: float(row["cpu_seconds"]))
             errors = np.array([100 * study.error(row, quantity) for row in rows])
             seconds = np.array([float(row["cpu_seconds"]) for row in rows])
-            kept = np.isfinite(errors) & (errors > 1e-6)  # the reference itself has no error to show
+            kept = np.isfinite(errors) & (errors > 1e-6)
             if kept.any():
                 ax.plot(seconds[kept], errors[kept], color=color, marker=marker, markersize=4.5, lw=1, label=rung)
         front = [row for row in study.front(quantity) if study.error(row, quantity) > 1e-8]
@@ -50,6 +50,8 @@ def draw_accuracy(study: AccuracyStudy, others: Mapping[str, Mapping[str, tuple[
             [100 * study.error(row, quantity) for row in front],
             color="black", lw=5, alpha=0.12, solid_capstyle="round", zorder=0,
         )  # fmt: skip
+        if (own := 100 * study.judge.own_error(quantity)) > 1e-6:
+            ax.axhline(own, color="black", lw=0.6, ls=":", label="error of the reference")
         for number, (name, points) in enumerate(others.items()):
             if quantity in points:
                 error, seconds_there = points[quantity]
@@ -62,6 +64,11 @@ def draw_accuracy(study: AccuracyStudy, others: Mapping[str, Mapping[str, tuple[
     axes[0].set_ylabel("largest error [%]")
     axes[-1].legend(fontsize=7)
     failed = [f"{row['stiffness']} {float(row['max_edge']):g}" for row in study.table if row["status"] == "failed"]
-    if failed:
-        figure.supxlabel(f"failed: {', '.join(failed)}", fontsize=7)
+    others_shaped = [
+        f"{row['stiffness']} {float(row['max_edge']):g}" for row in study.table if study.other_shape(row) is not None
+    ]
+    lists = {"failed": failed, "another shape": others_shaped}
+    told = [f"{what}: {', '.join(runs)}" for what, runs in lists.items() if runs]
+    if told:
+        figure.supxlabel("; ".join(told), fontsize=7)
     return figure

@@ -8,8 +8,8 @@ from dataclasses import dataclass
 from kirigami.elements.stiffness import RUNGS
 from kirigami.errors import ModelError
 from kirigami.primitives.checks import require_choice, require_items, require_positive, shown
-from kirigami.study.accuracy import Case
-from kirigami.study.mesh_choice import ALIKE, RATIO, MeshRun, run_case, shape_distance
+from kirigami.study.accuracy import ALIKE, Case
+from kirigami.study.mesh_choice import RATIO, MeshRun, run_case, shape_distance
 
 
 @dataclass(frozen=True, eq=False)

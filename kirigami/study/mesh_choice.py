@@ -26,15 +26,15 @@ from kirigami.primitives.checks import (
 from kirigami.primitives.kernel import Array
 from kirigami.primitives.node import Node
 from kirigami.results.results import Results
-from kirigami.study.accuracy import QUANTITIES, Case, quantities
+from kirigami.study.accuracy import ALIKE, Case, quantities
+from kirigami.study.convergence import limit_of
+from kirigami.study.reference import QUANTITIES
 
 RATIO = 1.5  # of the edge lengths of the first two runs
 CLOSER = 1.25  # least refinement of the third run
 LARGEST_STEP = 4.0  # largest refinement of the third run: beyond, two coarse runs say too little
 SAFETY = 0.6  # of the wanted error is aimed at
-ALIKE = 0.35  # relative distance of two shapes beyond which they are taken for different branches
 FLAT = 1e-3  # height over size of the sheet below which shapes are not compared
-ORDERS = (0.3, 4.0)  # observed orders that make sense
 
 
 @dataclass(frozen=True, eq=False)
@@ -238,42 +238,12 @@ def choose_mesh(
 def _judged(runs: Sequence[MeshRun]) -> tuple[float, float, Array]:
     """Limit and order that the last three runs have, and the error of every run."""
     sizes, values = np.array([run.max_edge for run in runs]), np.array([run.value for run in runs])
-    seen = observed_order(sizes[-3:], values[-3:])
-    if np.isnan(seen):
-        # No law to extrapolate with: the last change, as if of order 1, and no less than the spread of later runs.
-        limit = float(values[-1])
-        last = abs(values[-1] - values[-2]) / (sizes[-2] / sizes[-1] - 1)
+    limit, seen, last = limit_of(sizes, values)
+    if np.isnan(seen):  # no law to extrapolate with: no less than the spread of later runs
         errors = (np.maximum.accumulate(np.abs(values - limit)[::-1])[::-1] + last) / abs(limit)
     else:
-        limit = float(values[-1] + (values[-1] - values[-2]) / ((sizes[-2] / sizes[-1]) ** seen - 1))
         errors = np.abs(values / limit - 1)
     return limit, seen, errors
-
-
-def observed_order(sizes: Sequence[float] | Array, values: Sequence[float] | Array) -> float:
-    """Order p of three values f0 + c h^p at decreasing sizes h; nan where they have none between 0.3 and 4.
-
-    Examples
-    --------
-    >>> round(observed_order([3.0, 2.0, 1.0], [10.0, 5.0, 2.0]), 10)
-    2.0
-    >>> observed_order([3.0, 2.0, 1.0], [1.0, 2.0, 1.5])
-    nan
-    """
-    from scipy.optimize import brentq
-
-    h, f = np.asarray(sizes, dtype=float), np.asarray(values, dtype=float)
-    first, second = f[1] - f[0], f[2] - f[1]
-    if not first * second > 0:
-        return float("nan")
-
-    def mismatch(p: float) -> float:
-        return float((h[0] ** p - h[1] ** p) / (h[1] ** p - h[2] ** p) - first / second)
-
-    low, high = ORDERS
-    if mismatch(low) * mismatch(high) > 0:
-        return float("nan")
-    return float(brentq(mismatch, low, high))
 
 
 def run_case(case: Case, max_edge: float, stiffness: str, at: float, quantity: str, owner: str) -> MeshRun:
