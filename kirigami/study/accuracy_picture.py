@@ -30,7 +30,7 @@ def draw_accuracy(study: AccuracyStudy, others: Mapping[str, Mapping[str, tuple[
 
     from kirigami.study.reference import QUANTITIES
 
-    shown = [name for name in QUANTITIES if np.isfinite(study.reference[name]).any()]
+    shown = [name for name in QUANTITIES if np.isfinite(study.reference[name]).any()] or ["force"]
     figure = Figure(figsize=(3.4 * len(shown), 3.4), layout="constrained")
     axes = np.atleast_1d(figure.subplots(1, len(shown)))
     rungs = list(dict.fromkeys(str(row["stiffness"]) for row in study.table))
@@ -62,7 +62,8 @@ def draw_accuracy(study: AccuracyStudy, others: Mapping[str, Mapping[str, tuple[
             axis.set_major_formatter("{x:g}")
             axis.set_minor_formatter(LogFormatter(labelOnlyBase=False, minor_thresholds=(1.2, 0.5)))
     axes[0].set_ylabel("largest error [%]")
-    axes[-1].legend(fontsize=7)
+    if axes[-1].get_legend_handles_labels()[0]:
+        axes[-1].legend(fontsize=7)
     failed = [f"{row['stiffness']} {float(row['max_edge']):g}" for row in study.table if row["status"] == "failed"]
     others_shaped = [
         f"{row['stiffness']} {float(row['max_edge']):g}" for row in study.table if study.other_shape(row) is not None

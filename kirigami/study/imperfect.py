@@ -19,6 +19,7 @@ from kirigami.linalg.eigenpairs import grounded, orthonormal, resists
 from kirigami.model.model import Model
 from kirigami.primitives.checks import require_finite, require_whole
 from kirigami.primitives.kernel import Array
+from kirigami.study.quadrature import POINTS, WEIGHTS
 from kirigami.study.shapes import FLAT
 from kirigami.system.supports import rigid_unknowns
 from kirigami.system.system import System
@@ -27,10 +28,6 @@ SHARE = 0.1  # of the thickness is the default height: a strip bowed by it is 6 
 WAVES = 64  # of which the pressure is the sum
 LONGEST, SHORTEST = 1.0, 16.0  # wave numbers times the radius of gyration: from twice the sheet to an eighth of it
 ROUND = 0.01  # difference of the principal moments, relative, below which a sheet has no long direction
-# Seven points and weights of degree five on a triangle (Radon, 1948).
-NEAR, FAR = (6 + np.sqrt(15.0)) / 21, (6 - np.sqrt(15.0)) / 21
-POINTS = np.array([[1 / 3] * 3, *(np.roll([a, a, 1 - 2 * a], k) for a in (NEAR, FAR) for k in range(3))])
-WEIGHTS = np.array([9 / 40, *[(155 + np.sqrt(15.0)) / 1200] * 3, *[(155 - np.sqrt(15.0)) / 1200] * 3])
 
 
 def imperfect(model: Model, amplitude: float | None = None, seed: int = 0) -> None:

@@ -12,6 +12,7 @@ import numpy as np
 
 from kirigami.primitives.kernel import Array
 from kirigami.results.results import Results
+from kirigami.study.quadrature import POINTS, WEIGHTS
 
 WAVES = 12  # half waves along each side, from none on
 FLAT = 1e-3  # height over size of the sheet below which it has no shape
@@ -31,14 +32,15 @@ def shape_print(results: Results, step: int) -> str:
     height = (results.rest[:, 2] + results.u[step, :, 2])[: len(mesh.nodes)]
     if np.ptp(height) <= FLAT * mesh.size:
         return NONE
-    centres, values = mesh.nodes[mesh.triangles].mean(axis=1), height[mesh.triangles].mean(axis=1)
+    places = np.einsum("qc,mcx->mqx", POINTS, mesh.nodes[mesh.triangles]).reshape(-1, 3)
+    values = (np.outer(mesh.facet_areas, WEIGHTS) * (height[mesh.triangles] @ POINTS.T)).ravel()
     xmin, ymin, xmax, ymax = mesh.bounds
     order = np.arange(WAVES)
     along, across = (
-        np.cos(np.pi * order * ((centres[:, axis] - low) / (high - low))[:, None])
+        np.cos(np.pi * order * ((places[:, axis] - low) / (high - low))[:, None])
         for axis, low, high in ((0, xmin, xmax), (1, ymin, ymax))
     )
-    shares = np.einsum("m,mi,mj->ij", mesh.facet_areas * values, along, across)
+    shares = np.einsum("m,mi,mj->ij", values, along, across, optimize=True)
     shares /= np.linalg.norm(shares)
     return base64.b85encode(np.round(shares * 127).astype(np.int8).tobytes()).decode()
 
