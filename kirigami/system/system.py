@@ -227,7 +227,9 @@ class System(Unknowns):
     def _checked(self, u: ArrayLike, owner: str) -> Array:
         """Displacements given by a user."""
         shapes = ((rows, columns) for rows in {self.points, len(self.rest)} for columns in {self.dim, 3})
-        return require_array(u, *shapes, name="u", owner=owner)
+        given = require_array(u, *shapes, name="u", owner=owner)
+        behind = np.zeros((len(self.rest) - len(given), given.shape[1]))  # what elements keep there stays at rest
+        return np.concatenate([given, behind])
 
     def potential_rate(self, u: Array, lam: float) -> float:
         """Change of the total potential with the load factor at an equilibrium: what the drive works."""

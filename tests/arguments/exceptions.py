@@ -27,7 +27,7 @@ NOT_CALLED: dict[str, str] = {
     **dict.fromkeys(
         """*Control.make_control ArcLength.make_control *.memorable *.goes_downhill *.plan *.steer *.stops
         Results.append Results.evaluate_at Results.forget_model Results.member_* Results.told Results.object_number
-        Results.step_number Results.configuration Results.rows System.joined System.parted System.c*
+        Results.step_number Results.configuration Results.rows System.joined System.settled System.parted System.c*
         System.displacement System.forces System.imbalance System.l*
         System.matrix System.potential_rate System.re* System.start_stage System.stiffness_blocks
         System.unknowns""".split(),
@@ -37,6 +37,7 @@ NOT_CALLED: dict[str, str] = {
     "CurvedFacet": "made by the rung that needs it",
     "Results.to_xarray": "needs xarray, which is an extra; takes no argument",
     "post.shape.check*": "a check itself",
+    "stiffness.rung_named": "a check itself",
     "post.curvature.angle_rows": "a piece of curvature, called by it alone",
     "post.shape.principal_values": "a piece of other measures, called by them alone",
     "study.stretch_drawing": "the job behind `kirigami stretch`, whose arguments are tested there",

@@ -195,6 +195,7 @@ CALLS: dict[str, Callable[[], Call]] = {
     "Fix": lambda: (kg.Fix, {"nodes": nodes(2), "dofs": "xy", "clamp": False}),
     "Prescribe": lambda: (kg.Prescribe, {"nodes": nodes(2), "x": 0.1}),
     "Prescribe.held": lambda: (kg.Prescribe(nodes(2), x=0.1).held, {"lam": 0.5}),
+    "Symmetry": lambda: (kg.Symmetry, {"nodes": nodes(2), "normal": "x"}),
     "Tie": lambda: (kg.Tie, {"followers": nodes(2), "leaders": kg.Node(2, 2), "dofs": "xyz", "x": 0.1}),
     "Tie.held": lambda: (kg.Tie(nodes(2), kg.Node(2, 2), x=0.1).held, {"lam": 0.5}),
     "NodalLoad": lambda: (kg.NodalLoad, {"nodes": nodes(2), "force": (0, 1)}),

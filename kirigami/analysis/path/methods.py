@@ -297,7 +297,8 @@ class ArcLength(PathAnalysis):
         return Increments(length, 4 * length, 1e-6 * length)
 
     def steer(self, increments: Increments, results: Results, point: Point) -> None:
-        away = float(np.linalg.norm(point.state.u - results[0].u[:, : self.model.dim]))
+        moved = point.state.u[: len(results.rest)] - results[0].u[:, : self.model.dim]
+        away = float(np.linalg.norm(moved))  # of the nodes: rows behind them are no distances
         increments.largest = max(increments.largest, GROWTH * away)
 
     def stops(self, results: Results) -> bool:

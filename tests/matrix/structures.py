@@ -1,0 +1,170 @@
+"""One small problem on every rung of accuracy, and hand-built structures, each of which can be stated differently."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import cache
+
+import numpy as np
+from changes import CHANGES, Change
+
+import kirigami as kg
+
+SAME = Change()
+THICKNESS, E, NU, DENSITY = 0.05, 1e6, 0.3, 1.2
+BOTTOM, TOP, SIDE = [0, 1, 2, 3], [12, 13, 14, 15], [4, 8]  # of the sheet below
+RUNGS = kg.stiffness.RUNGS
+
+
+@cache
+def drawn() -> tuple[np.ndarray, np.ndarray]:
+    """Nodes and facets of a square with a square opening, its inner nodes moved so that no two facets are alike."""
+    x, y = np.meshgrid(np.linspace(0, 1, 4), np.linspace(0, 1, 4))
+    points = np.column_stack([x.ravel(), y.ravel(), np.zeros(16)])
+    points[[5, 6, 9, 10], :2] += 0.05 * np.random.default_rng(3).uniform(-1, 1, (4, 2))
+    corners = [4 * row + column for row in range(3) for column in range(3) if (row, column) != (1, 1)]
+    facets = []
+    for number, a in enumerate(corners):
+        one = ((a, a + 1, a + 5), (a, a + 5, a + 4)), ((a, a + 1, a + 4), (a + 1, a + 5, a + 4))
+        facets += one[number % 2]
+    return points, np.array(facets)
+
+
+def sheet(rung: str, dim: int, change: Change, drive: float = 1.0) -> kg.Model:
+    points, facets = drawn()
+    order = change.order(len(points))
+    new = np.argsort(order)  # where each old node stands now
+    facets = new[facets][change.order(len(facets))]
+    if change.mirrors:
+        facets = facets[:, [0, 2, 1]]
+    material = kg.Material(E=E * change.force / change.length**2, nu=NU, density=DENSITY)
+    mesh = kg.TriMesh(change.places(points)[order][:, : 2 if change.flat else 3], facets)
+    m = kg.Model.from_mesh(mesh, THICKNESS * change.length, material, rung, dim=dim)
+    at = [m.nodes[k] for k in new]
+    hold = "xyz"[:dim]
+    move = change.places(drive * np.array([0.02, 0.03, 0.1 if dim == 3 else 0.0]))
+    pull = change.forces(drive * np.array([-40.0, 10.0, 5.0 if dim == 3 else 0.0]))
+    m.add(kg.Fix([at[k] for k in BOTTOM], hold, clamp=dim == 3))
+    m.add(kg.Prescribe([at[k] for k in TOP], **dict(zip(hold, move.tolist()))))
+    m.add(kg.NodalLoad([at[k] for k in SIDE], pull[:dim]))
+    return m
+
+
+def built(
+    places: list[tuple[float, ...]],
+    parts: list[tuple],
+    dim: int,
+    fixed: list[int],
+    driven: list[int],
+    loaded: list[int],
+) -> Callable[[Change, float], kg.Model]:
+    """A structure of bars, hinges and springs given by the numbers of their nodes."""
+
+    def make(change: Change, drive: float = 1.0) -> kg.Model:
+        old = np.array([[*place, 0.0, 0.0][:3] for place in places], dtype=float)
+        order = change.order(len(old))
+        new = np.argsort(order)
+        m = kg.Model(dim=dim)
+        nodes = [kg.Node(*place) for place in change.places(old)[order].tolist()]
+        m.add(*nodes)
+        at = [nodes[k] for k in new]
+        size = {"bar": change.force, "hinge": change.force * change.length, "spring": change.force * change.length}
+        for part in [parts[k] for k in change.order(len(parts))]:
+            kind, *ends, stiffness = part
+            i = [at[k] for k in ends]
+            value = stiffness * size[kind]
+            if kind == "bar":
+                m.add(kg.Bar(i[0], i[1], EA=value))
+            elif kind == "hinge":
+                m.add(kg.BendHinge(*((i[0], i[2], i[1], i[3]) if change.mirrors else i), value))
+            else:
+                m.add(kg.TorsionSpring3(*(i[::-1] if change.mirrors else i), value))
+        hold = "xyz"[:dim]
+        move = change.places(drive * np.array([0.05, -0.1, 0.02 if dim == 3 else 0.0]))
+        pull = change.forces(drive * np.array([0.02, -0.01, 0.01 if dim == 3 else 0.0]))
+        m.add(kg.Fix([at[k] for k in fixed], hold))
+        m.add(kg.Prescribe([at[k] for k in driven], **dict(zip(hold, move.tolist()))))
+        m.add(kg.NodalLoad([at[k] for k in loaded], pull[:dim]))
+        return m
+
+    return make
+
+
+TRUSS = built(
+    [(0, 0), (1, 0), (0.1, 1), (1, 1.1), (0.5, 2)],
+    [("bar", *ends, 10.0) for ends in ((0, 2), (1, 3), (0, 3), (1, 2), (2, 3), (2, 4), (3, 4))],
+    2, [0, 1], [4], [2],
+)  # fmt: skip
+TOWER = built(
+    [(0, 0, 0), (1, 0, 0), (0.4, 1, 0), (0.1, 0.1, 1), (0.9, 0.2, 1.1), (0.4, 0.8, 1), (0.5, 0.4, 2)],
+    [("bar", *ends, 10.0) for ends in (
+        (0, 3), (1, 4), (2, 5), (0, 4), (1, 5), (2, 3), (3, 4), (4, 5), (3, 5), (3, 6), (4, 6), (5, 6)
+    )],
+    3, [0, 1, 2], [6], [3],
+)  # fmt: skip
+STRIP = built(
+    [(0, 0, 0), (0, 1, 0), (1, 0.1, 0.1), (1, 1, 0), (2, 0, 0.2), (2, 1.1, 0)],
+    [*(("bar", *ends, 50.0) for ends in ((0, 1), (0, 2), (1, 2), (1, 3), (2, 3), (2, 4), (3, 4), (3, 5), (4, 5))),
+     ("hinge", 0, 1, 2, 3, 0.5), ("hinge", 1, 2, 3, 4, 0.4), ("hinge", 2, 3, 4, 5, 0.3)],
+    3, [0, 1, 2], [5], [4],
+)  # fmt: skip
+CHAIN = built(
+    [(0, 0), (1, 0), (2, 0.2), (3, 0.1)],
+    [("bar", 0, 1, 50.0), ("bar", 1, 2, 50.0), ("bar", 2, 3, 50.0),
+     ("spring", 0, 1, 2, 0.5), ("spring", 1, 2, 3, 0.4)],
+    2, [0, 1], [3], [2],
+)  # fmt: skip
+
+
+def serves_plane(rung: str) -> bool:
+    try:
+        sheet(rung, 2, SAME)
+    except kg.ModelError:
+        return False
+    return True
+
+
+SHEETS: dict[str, Callable[[Change, float], kg.Model]] = {
+    rung: lambda change, drive=1.0, rung=rung: sheet(rung, 3, change, drive) for rung in RUNGS
+}
+PLANE: dict[str, Callable[[Change, float], kg.Model]] = {
+    f"{rung} in the plane": lambda change, drive=1.0, rung=rung: sheet(rung, 2, change, drive)
+    for rung in RUNGS
+    if serves_plane(rung)
+}
+BUILT = {"truss": TRUSS, "tower": TOWER, "hinged strip": STRIP, "chain of springs": CHAIN}
+STRUCTURES = SHEETS | PLANE | BUILT
+PLANAR = {*PLANE, "truss", "chain of springs"}
+
+
+def applies(structure: str, change: str) -> bool:
+    """A plane structure cannot be turned out of its plane."""
+    return CHANGES[change].flat or structure not in PLANAR
+
+
+@cache
+def _model(structure: str, change: str, drive: float) -> kg.Model:
+    return STRUCTURES[structure](CHANGES.get(change, SAME), drive)
+
+
+def model(structure: str, change: str = "", drive: float = 1.0) -> kg.Model:
+    return _model(structure, change, drive)
+
+
+@cache
+def _results(structure: str, change: str) -> kg.Results:
+    return kg.DisplacementControl(model(structure, change), targets=[0.5, 0.999, 1.0], to=1.001, tol=1e-10).run()
+
+
+def results(structure: str, change: str = "") -> kg.Results:
+    """Pulled to load factor 1 in steps that every statement of the problem takes alike."""
+    return _results(structure, change)
+
+
+@cache
+def _linear(structure: str, change: str, drive: float) -> kg.Results:
+    return kg.LinearStatic(model(structure, change, drive)).run()
+
+
+def linear(structure: str, change: str = "", drive: float = 1.0) -> kg.Results:
+    return _linear(structure, change, drive)
