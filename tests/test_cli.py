@@ -185,9 +185,9 @@ def test_stretch_does_the_whole_job(tmp_path: Path, capsys: pytest.CaptureFixtur
         "true size 120mm x 80mm",
         "thickness 0.1 mm, E 3.5 GPa, nu 0.34",
         "edges held at the bottom and top",
-        "strain 0.2 % to reach, 0.16 mm of grip displacement",
+        "strain 0.2 % to reach (load factor 1), 0.16 mm of grip displacement",
         "strain 0.2 % = 0.16 mm of grip displacement / 80 mm between the grips",
-        f"Written to {folder}: report.json, curves.csv, results.npz, rest.png, deformed.png, force.png",
+        f"Written to {folder}: report.json, curves.csv, results.npz, rest.png, deformed.png, above.png, force.png",
     ):
         assert words in said.out
     report = json.loads((folder / "report.json").read_text())

@@ -219,7 +219,7 @@ def stretch_drawing(
         note(words)
     note(f"thickness {units.show(thick, 'length')}, E {units.show(modulus, 'stress')}, nu {nu:g}")
     note(
-        f"strain {units.show(wanted, 'ratio')} to reach, {units.show(wanted * grips.free_length, 'length')} of grip "
+        f"strain {units.show(wanted, 'ratio')} to reach (load factor 1), {units.show(wanted * grips.free_length, 'length')} of grip "
         f"displacement{' and back' if cycle else ''}"
     )
     try:
@@ -251,8 +251,8 @@ def _size(bounds: tuple[float, float, float, float]) -> tuple[float, float]:
 def write_report(report: Report, folder: str | os.PathLike[str], say: Callable[[str], None] = print) -> list[Path]:
     """Write all files of a stretched drawing into a folder; parts whose library is missing are skipped with a word.
 
-    ``report.json``, ``curves.csv``, ``results.npz``, ``rest.png``, ``deformed.png``, ``force.png``, ``opening.png`` of
-    a sheet with cuts, ``page.html``, and ``vtk/`` for ParaView.
+    ``report.json``, ``curves.csv``, ``results.npz``, ``rest.png``, ``deformed.png``, ``above.png``, ``force.png``,
+    ``opening.png`` of a sheet with cuts, ``page.html``, and ``vtk/`` for ParaView.
 
     Parameters
     ----------
