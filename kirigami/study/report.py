@@ -219,8 +219,8 @@ def stretch_drawing(
         note(words)
     note(f"thickness {units.show(thick, 'length')}, E {units.show(modulus, 'stress')}, nu {nu:g}")
     note(
-        f"strain {units.show(wanted, 'ratio')} to reach (load factor 1), {units.show(wanted * grips.free_length, 'length')} of grip "
-        f"displacement{' and back' if cycle else ''}"
+        f"strain {units.show(wanted, 'ratio')} to reach (load factor 1), "
+        f"{units.show(wanted * grips.free_length, 'length')} of grip displacement{' and back' if cycle else ''}"
     )
     try:
         results = stretch(

@@ -114,7 +114,7 @@ def test_report_folder(tmp_path: Path) -> None:
     [
         ({"direction": "z"}, "direction must be 'x', 'y' or an angle in degrees"),
         ({"strain": "-100%"}, "would push one grip through the other"),
-        ({"accuracy": "good"}, "accuracy must be 'draft', 'standard', 'fine'"),
+        ({"accuracy": "good"}, "accuracy must be one of 'draft', 'standard', 'fine'"),
         ({"grip": "-1mm"}, "grip must not be negative"),
         ({"strain": "0%"}, "strain must be a number other than zero"),
         ({"thickness": "3GPa"}, "unit of stress"),
