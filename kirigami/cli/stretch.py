@@ -89,6 +89,9 @@ def add(commands: Any) -> None:
         metavar="LENGTH",
         help="height of the imperfection, which is free of stress (default: a tenth of the thickness)",
     )
+    work.add_argument(
+        "--seed", type=int, default=0, metavar="N", help="of the imperfection (default: %(default)s)"
+    )
     work.add_argument("--folder", type=Path, help="where to write (default: ./NAME-stretched)")
     add_reading(parser)
 
@@ -119,6 +122,7 @@ def run(options: argparse.Namespace) -> int:
             max_edge=options.max_edge,
             stiffness=options.stiffness,
             imperfection=options.imperfection,
+            seed=options.seed,
             progress=not options.quiet,
             say=lambda note: say(f"  {note}"),
             **reading(options),

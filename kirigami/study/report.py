@@ -142,6 +142,7 @@ def stretch_drawing(
     max_edge: float | str | None = None,
     stiffness: str | Calibration | None = None,
     imperfection: float | str | None = None,
+    seed: int = 0,
     progress: bool = False,
     say: Callable[[str], None] = lambda note: None,
     **reading: Any,
@@ -160,7 +161,7 @@ def stretch_drawing(
         Poisson's ratio.
     strain : float or str
         Grip displacement over the free length between the grips, to be reached; negative to push.
-    direction, accuracy, cycle, nodes, stiffness, progress
+    direction, accuracy, cycle, nodes, stiffness, seed, progress
         As for :func:`kirigami.stretch`.
     grip : float or str, optional
         Length of the strip held at each end [m]; 0 holds the edges alone. None takes 0 where the ends are straight,
@@ -226,7 +227,7 @@ def stretch_drawing(
         results = stretch(
             sheet, wanted, direction, accuracy, cycle=cycle, grip=_length(grip), nodes=nodes,
             max_edge=_length(max_edge), stiffness=stiffness, amplitude=_length(imperfection),
-            progress=progress, say=note,
+            seed=seed, progress=progress, say=note,
         )  # fmt: skip
     except ConvergenceError as error:
         results = error.results

@@ -62,6 +62,7 @@ def stretch(
     max_edge: float | None = None,
     stiffness: str | Calibration | None = None,
     amplitude: float | None = None,
+    seed: int = 0,
     progress: bool = False,
     say: Callable[[str], None] | None = None,
 ) -> Results:
@@ -98,6 +99,8 @@ def stretch(
     amplitude : float, optional
         Height of the stress-free imperfection [length], see :meth:`kirigami.Model.imperfect`; 0 leaves the sheet
         flat, None takes what that takes.
+    seed : int
+        Of the imperfection: another number is another field.
     progress : bool
         Show a progress bar.
     say : callable, optional
@@ -145,7 +148,7 @@ def stretch(
     mesh = default_mesh(sheet, grips, level.nodes if nodes is None else nodes, max_edge)
     say(f"{len(mesh.nodes)} nodes, {len(mesh.triangles)} facets" if mesh.sizing is None else f"mesh: {mesh.sizing}")
     model, held, moved = held_model(mesh, grips, strain, level.stiffness if stiffness is None else stiffness)
-    model.imperfect(amplitude)
+    model.imperfect(amplitude, seed=seed)
     grip_nodes = {"held": model.index(held), "moved": model.index(moved)}
     targets = [*STORED, *STORED[-2::-1]] if cycle else list(STORED)
     analysis = DisplacementControl(model, targets=targets, to=0.0 if cycle else 1.0, tol=level.tol)
