@@ -40,9 +40,9 @@ class Level:
 
 
 ACCURACY = {
-    "draft": Level("plate", 1500, 1e-6),
-    "standard": Level("facet", 3000, 1e-8),
-    "fine": Level("facet", 10000, 1e-8),
+    "draft": Level("plate", 2500, 1e-6),
+    "standard": Level("shell", 1500, 1e-8),
+    "fine": Level("shell", 6000, 1e-8),
 }
 STORED = (0.002, 0.005, 0.01, 0.02, 0.05, *np.linspace(0.1, 1.0, 10).tolist())  # shares of the pull that are stored
 LOCKED = 0.05  # mean strain of the material beyond which cuts no longer give way
