@@ -7,10 +7,11 @@ from itertools import pairwise
 import numpy as np
 import pytest
 import shapely
+from scipy.sparse.linalg import splu
 
 import kirigami as kg
 
-RUNGS = ("paper", "plate", "facet", "split", "shell")
+RUNGS = ("paper", "plate", "facet", "shell")
 DRAWN = kg.Material(E=4e9, nu=0.38)
 
 
@@ -30,14 +31,13 @@ def out_of_plane(m: kg.Model, count: int) -> np.ndarray:
     Unknowns beside the deflections of the mesh's nodes have no mass and are eliminated.
     """
     system = kg.System(m)
-    dense = system.stiffness().toarray()
+    matrix = system.stiffness().tocsc()
     massive = np.flatnonzero((system.heads % 3 == 2) & (system.heads // 3 < len(m.mesh.nodes)))
     light = np.flatnonzero(system.heads // 3 >= len(m.mesh.nodes))
-    block = dense[np.ix_(massive, massive)]
+    block = matrix[massive][:, massive].toarray()
     if light.size:
-        block = block - dense[np.ix_(massive, light)] @ np.linalg.solve(
-            dense[np.ix_(light, light)], dense[np.ix_(light, massive)]
-        )
+        coupling = matrix[light][:, massive].toarray()
+        block -= coupling.T @ splu(matrix[light][:, light].tocsc()).solve(coupling)
     return np.linalg.eigvalsh(block)[:count]
 
 
@@ -65,11 +65,12 @@ def test_forty_free_sheets(rung: str) -> None:
             assert values[6:] == pytest.approx(out_of_plane(m, 6)[3:], rel=1e-6), (thickness, edge)
 
 
-@pytest.mark.parametrize("rung", ["paper", "plate", "facet"])
-@pytest.mark.parametrize("edge", [0.07, 0.05, 0.03])
+@pytest.mark.parametrize("rung", RUNGS)
+@pytest.mark.parametrize("edge", [0.07, 0.03])
 @pytest.mark.parametrize("free", [False, True])
 def test_bending_goes_with_the_third_power_of_the_thickness(rung: str, edge: float, free: bool) -> None:
     """Eigenvalue / E t^3 of one flat mesh is one number, whatever the thickness and the number of unknowns."""
+    edge *= 1 + (rung == "shell")  # whose edges have unknowns of their own
     mesh = kg.Sheet(shapely.box(0, 0, 1, 0.2)).mesh(edge)
     ratios = []
     for t in (1e-2, 1e-3, 1e-4, 1e-5, 1e-6):
@@ -84,7 +85,7 @@ def test_bending_goes_with_the_third_power_of_the_thickness(rung: str, edge: flo
 def test_every_number_of_modes_tells_the_same_values(rung: str) -> None:
     m = slit_sheet(0.2, 8.0, rung)
     most = kg.Eigen(m, n=20).run().values
-    for n in (1, 4, 6, 7, 8, 13):
+    for n in (1, 6, 7, 13):
         assert kg.Eigen(m, n=n).run().values == pytest.approx(most[:n], rel=1e-8)
 
 
@@ -180,7 +181,7 @@ def test_lumped_and_unit_masses_of_one_sheet_do_not_depend_on_hidden_unknowns() 
     t, E, width = 0.01, 1e9, 0.1
     per_length = len(mesh.nodes) / 1.0
     beam = 1.875104**4 * E * width * t**3 / 12 / per_length
-    for rung in ("plate", "split", "shell"):
+    for rung in ("plate", "shell"):
         m = kg.Model.from_mesh(mesh, t, kg.Material(E, nu=0.0, density=7.0), stiffness=rung)
         m.add(kg.Fix(m.select(boundary="left"), clamp=True))
         assert kg.Eigen(m, n=1).run().values[0] == pytest.approx(beam, rel=0.07)

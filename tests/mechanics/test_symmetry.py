@@ -202,7 +202,7 @@ def test_a_clamp_takes_its_direction_along(rung: str, axis: int) -> None:
     assert sum(end.energy.values())[-1] < 1e-9 * sum(end.energy.values()).max()
 
 
-@pytest.mark.parametrize("rung", (*RUNGS, "split"))
+@pytest.mark.parametrize("rung", RUNGS)
 def test_a_clamp_that_holds_nothing_is_refused(rung: str) -> None:
     """Nodes on a line inside the sheet, a single corner: no boundary edge and no whole facet."""
     mesh = kg.Sheet(shapely.box(0, 0, 1, 0.2)).mesh(0.07, lines={"mid": shapely.LineString([(0.5, 0), (0.5, 0.2)])})
