@@ -24,6 +24,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from kirigami.elements.crease import Crease, folded_pairs
+from kirigami.elements.shell_images import mirror_planes, plane_normals
 from kirigami.elements.shell_kernel import ShellFacetKernel
 from kirigami.elements.shell_rest import numbered_edges
 from kirigami.elements.triangle import check_areas, plane_stress
@@ -125,7 +126,8 @@ class ShellFacet(ModelObject):
         conn = np.concatenate([edges.triangles, edges.middle[edges.edge], edges.angle], axis=1)
         sections = section_matrices(objects, numbering.rest[edges.triangles])
         density = np.array([(f.material.density or np.nan) * f.thickness for f in objects])
-        return [ShellFacetKernel(numbering.rest, conn, sections, edges.forward, density)]
+        planes = plane_normals(mirror_planes(numbering), edges.ends, edges.edge)
+        return [ShellFacetKernel(numbering.rest, conn, sections, edges.forward, density, planes=planes)]
 
 
 def isotropic_section(thickness: float, material: Material) -> Array:

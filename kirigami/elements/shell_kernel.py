@@ -56,8 +56,10 @@ class ShellFacetKernel(Kernel):
         forward: NDArray[np.bool_],
         density: Array | None = None,
         members: NDArray[np.int64] | None = None,
+        planes: Array | None = None,
     ) -> None:
         self.rest, self.conn, self.section, self.forward, self.members = rest, conn, section, forward, members
+        self.planes = planes  # normals of mirror planes (n, 3, 3) that the edges lie in, zero where there are none
         self.density = density  # mass per area (n,), nan where unknown
         self._rest_vectors = facet_vectors(rest, conn)
         self.chart = Chart(self._rest_vectors)
@@ -69,14 +71,14 @@ class ShellFacetKernel(Kernel):
         self._angle_rows, self._edge = np.unique(conn[:, 6:], return_inverse=True)
         self._edge = self._edge.reshape(-1, 3)[:, EDGE_OF_POINT].T  # (6, n)
         frames = edge_frames(self._rest_vectors)
-        self._rest_directors = initial_directors(frames, self._edge, self._stored, len(self._angle_rows))
+        self._rest_directors = initial_directors(frames, self._edge, self._stored, len(self._angle_rows), planes)
         self._directors = self._rest_directors
         self._rest_angles = angles(frames, self._local_directors())
         self._rest_curvatures = self._bending.curvatures(self._rest_vectors, area_frames(self._rest_vectors))
         self.coupled = bool(np.any(section[:, :3, 3:]))
 
     def arrays(self) -> dict[str, Any]:
-        return {name: getattr(self, name) for name in ("conn", "section", "forward", "density", "members")}
+        return {name: getattr(self, name) for name in ("conn", "section", "forward", "density", "members", "planes")}
 
     def stiffness_of_positions(self, stiffness: Array) -> Array:
         """Strain comes from displacements, curvature from positions."""

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from kirigami.elements.shell_bending import EdgeFrames
 from kirigami.elements.shell_geometry import EDGE_OF_POINT, Chart
+from kirigami.elements.shell_images import Images
 from kirigami.errors import ModelError
 from kirigami.primitives.kernel import Array
 from kirigami.primitives.parts import Numbering
@@ -25,10 +26,15 @@ def angle_scale(chart: Chart, forward: NDArray[np.bool_]) -> Array:
     return np.asarray(signed[:, EDGE_OF_POINT].T)
 
 
-def initial_directors(frames: EdgeFrames, edge: Index, stored: Index, count: int) -> Array:
-    """Directors (count, 2, 3) of the edges: the mean of the normals of the facets on them."""
+def initial_directors(frames: EdgeFrames, edge: Index, stored: Index, count: int, planes: Array | None) -> Array:
+    """Directors (count, 2, 3) of the edges: the mean of the normals of the facets on them, and of their images in
+    mirror planes, whose normals are the `planes` (n, 3, 3) of the facets' edges."""
     total = np.zeros((count, 2, 3))
     np.add.at(total, (edge, stored), frames.normal.transpose(0, 2, 1))
+    if planes is not None:
+        across = np.zeros((count, 1, 3))
+        across[edge, 0] = planes[:, EDGE_OF_POINT].transpose(1, 0, 2)
+        total -= (total * across).sum(axis=2, keepdims=True) * across
     size = np.linalg.norm(total, axis=2, keepdims=True)
     alone = np.zeros_like(total)  # facets folded flat onto each other have no mean: take one of them
     alone[edge, stored] = frames.normal.transpose(0, 2, 1)
@@ -49,7 +55,12 @@ def numbered_edges(numbering: Numbering, triangles: Index, normals: Sequence[Any
     _check_folds(numbering, triangles, edge, ends, folded, is_fold)
     corners = numbering.rest[ends]
     length = np.linalg.norm(corners[:, 1] - corners[:, 0], axis=1)
-    offset = edge_bulges(numbering.rest, triangles, edge, corners, normals, is_fold)
+    images = Images(numbering, triangles, list(normals))
+    if images.planes:  # edges in a mirror plane bulge as those of the whole sheet
+        every, source = images.edges(edge)
+        offset = edge_bulges(images.points, images.triangles, every, images.normals, is_fold[source])[:count]
+    else:
+        offset = edge_bulges(numbering.rest, triangles, edge, normals, is_fold)
     middle = numbering.add_rows(offset, 0.25 * length)
     idle = np.zeros((1, 3), dtype=bool)
     idle[0, 2] = True
@@ -84,10 +95,10 @@ def _check_folds(
 
 
 def edge_bulges(
-    points: Array, triangles: Index, edge: Index, corners: Array, normals: Sequence[Any], is_fold: NDArray[np.bool_]
+    points: Array, triangles: Index, edge: Index, normals: Sequence[Any], is_fold: NDArray[np.bool_]
 ) -> Array:
     """Offsets (edges, 3) of the middles of edges: the mean over the facets on each of what their normals ask for."""
-    found = np.zeros((len(corners), 3))
+    found = np.zeros((len(is_fold), 3))
     given = np.array([normal is not None for normal in normals], dtype=bool)
     flat = np.ptp(points[triangles.ravel()], axis=0).min() == 0.0
     if flat and not given.any():
