@@ -378,7 +378,7 @@ def _measured(model: Model, results: Results) -> dict[str, Any]:
     return {
         "lam": step.lam,
         "energy": float(sum(values[-1] for values in results.energy.values())),
-        "force": system.potential_rate(step.u, step.lam),
+        "force": system.potential_rate(system.joined(step.u, step.inner), step.lam),
         "height": float(np.abs(away).max()),
         "factorizations": int(results.stats["factorizations"]),
     }
