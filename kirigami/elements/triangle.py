@@ -78,6 +78,33 @@ def strain_from_edges(flat: Array) -> Array:
     return np.asarray(np.linalg.inv(rows))
 
 
+class SurfaceStrain:
+    """Green strain of flat facets, from their rest state, as the strains of their edges determine it.
+
+    Parameters
+    ----------
+    rest : ndarray, shape (n, 3)
+        Positions at rest [length].
+    triangles : ndarray of int, shape (m, 3)
+        Corners of the facets.
+    """
+
+    def __init__(self, rest: Array, triangles: NDArray[np.int64]) -> None:
+        self.triangles = triangles
+        self.edges = edge_vectors(rest, triangles)
+        self.flat, self.area = flat_edges(self.edges)
+        self.square = (self.flat**2).sum(axis=2)
+        self._to_strain = strain_from_edges(self.flat)
+
+    def at(self, u: Array, linear: bool = False) -> Array:
+        """Strain (m, 3), (exx, eyy, gamma_xy) with the first axis along the edge from corner 0 to 1, at displacements
+        `u` (n, 3); `linear` leaves the squares of these out."""
+        change = edge_vectors(u, self.triangles)
+        second = 0.0 if linear else 0.5 * change
+        stretch = ((self.edges + second) * change).sum(axis=2) / self.square
+        return np.asarray(np.einsum("nac,nc->na", self._to_strain, stretch))
+
+
 def without_compression(force: Array, to_strain: Array) -> Array:
     """Edge forces (n, 3) of the facet tensions that remain when compressive principal stresses are dropped.
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from kirigami.elements.triangle import edge_vectors, flat_edges, strain_from_edges
+from kirigami.elements.triangle import SurfaceStrain
 from kirigami.errors import AnalysisError
 from kirigami.post.shape import principal_values
 from kirigami.primitives.kernel import Array
@@ -42,16 +42,10 @@ def facet_strain(results: Results) -> Array:
     """
     if results.mesh is None:
         raise AnalysisError("facet strains need a model made by Model.from_mesh", results=results)
-    triangles = results.mesh.triangles
-    rest_edges = edge_vectors(results.rest, triangles)
-    flat, _ = flat_edges(rest_edges)
-    to_strain, square = strain_from_edges(flat), (flat**2).sum(axis=2)
-    values = np.empty((len(results), len(triangles)))
+    surface = SurfaceStrain(results.rest, results.mesh.triangles)
+    values = np.empty((len(results), len(results.mesh.triangles)))
     for row, step in zip(values, results.steps):
-        change = edge_vectors(step.u, triangles)
-        second = 0.0 if results.linear else 0.5 * change
-        stretch = ((rest_edges + second) * change).sum(axis=2) / square
-        exx, eyy, shear = np.einsum("nac,nc->an", to_strain, stretch)
+        exx, eyy, shear = surface.at(step.u, results.linear).T
         row[:] = principal_values(exx, eyy, 0.5 * shear)[:, 0]
     return values
 

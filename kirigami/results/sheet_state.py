@@ -26,7 +26,7 @@ from kirigami.elements.bar import BarKernel
 from kirigami.elements.clamp_hinge import HeldEdgeKernel
 from kirigami.elements.facet import FacetKernel
 from kirigami.elements.shell_kernel import ShellFacetKernel
-from kirigami.elements.triangle import ENDS, STARTS, edge_vectors, flat_edges, strain_from_edges
+from kirigami.elements.triangle import ENDS, STARTS, SurfaceStrain, edge_vectors
 from kirigami.geometry.folds import fold_curvature_rates
 from kirigami.post.curvature import curvature
 from kirigami.primitives.kernel import Array, Kernel
@@ -58,10 +58,8 @@ class StateReader:
     def __init__(self, results: Results, mesh: TriMesh) -> None:
         self.results, self.mesh = results, mesh
         triangles = mesh.triangles
-        self.rest_edges = edge_vectors(results.rest, triangles)
-        self.flat, self.area = flat_edges(self.rest_edges)
-        self.square = (self.flat**2).sum(axis=2)
-        self.to_strain = strain_from_edges(self.flat)
+        self.surface = SurfaceStrain(results.rest, triangles)
+        self.flat, self.area = self.surface.flat, self.surface.area
         # the facet laid out flat, against its drawing: the rotation of the gradient, without the stretch
         drawn = edge_vectors(mesh.nodes[:, :2], triangles)
         gradient = np.linalg.solve(drawn[:, :2], self.flat[:, :2]).transpose(0, 2, 1)
@@ -76,7 +74,7 @@ class StateReader:
         m = len(self.area)
         state = SheetState(*np.zeros((4, m, 2, 2)), *np.zeros((2, m)))
         state.curvature = self._surface_curvature(step)
-        state.strain = self._drawn(self._surface_strain(step))
+        state.strain = self._drawn(_tensor(self.surface.at(step.u, self.results.linear), half_shear=True))
         for kernel in self.surfaces:
             self._add_facets(state, kernel, step)
         if not self.surfaces:
@@ -134,7 +132,7 @@ class StateReader:
         line_force = kernel.EA[rows] * strain * kernel.rest_length[rows]  # force times length
         energy = self.results.member_energy(kernel, step)[rows]
         for facet, corner, share, chosen in self._sides(edges):
-            n = self.flat[facet, corner] / np.sqrt(self.square[facet, corner])[:, None]
+            n = self.flat[facet, corner] / np.sqrt(self.surface.square[facet, corner])[:, None]
             dyad = n[:, :, None] * n[:, None, :]
             pull = (share * line_force[chosen] / self.area[facet])[:, None, None]
             np.add.at(state.force, facet, self._drawn(pull * dyad, facet))
@@ -182,13 +180,6 @@ class StateReader:
         return found
 
     # ---- of the surface
-
-    def _surface_strain(self, step: Step) -> Array:
-        """Strain (m, 2, 2) of flat facets in their own axes, of the Green strains of their edges."""
-        change = edge_vectors(step.u, self.mesh.triangles)
-        second = 0.0 if self.results.linear else 0.5 * change
-        stretch = ((self.rest_edges + second) * change).sum(axis=2) / self.square
-        return _tensor(np.einsum("nac,nc->na", self.to_strain, stretch), half_shear=True)
 
     def _surface_curvature(self, step: Step) -> Array:
         """Curvature (m, 2, 2) in the axes of the drawing that the angles at the edges make."""
