@@ -93,7 +93,10 @@ class CheckedFactor:
         solution: Array = self._pivoting.solve(rhs)
         error = float(np.linalg.norm(rhs - self.matrix @ solution))
         if not error <= SINGULAR_ABOVE * size and not self._explained(rhs, solution):
-            raise SingularMatrixError("the stiffness matrix is singular to working precision")
+            raise SingularMatrixError(
+                "the stiffness matrix is singular to working precision: some motion is held by nothing, or by less "
+                "than the rounding of what holds the others, as the bending of a very thin sheet that is not level"
+            )
         return solution
 
     def _explained(self, rhs: Array, solution: Array) -> bool:
