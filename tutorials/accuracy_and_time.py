@@ -50,13 +50,13 @@ def case(max_edge: float, stiffness: str) -> tuple[kg.Model, Sequence[kg.Node], 
 # ## Rungs: what do the elements represent?
 #
 # `stiffness=` chooses the rung. "paper" has the constants of the publication, "plate" bars and hinges with those of a
-# plate, "facet" couples the three bars and the three hinges of a facet, and "split" has curved facets with normals.
+# plate, "facet" couples the three bars and the three hinges of a facet, and "shell" has shell facets, which converge to shell theory.
 # `kg.stiffness.report` measures the elastic constants that a mesh with these elements stands for. What it says holds on
 # any mesh of this kind: no refinement helps where a number is not 1.
 
 # %%
 mesh = SHEET.mesh(0.02)
-for rung in ("plate", "facet", "split"):
+for rung in ("plate", "facet", "shell"):
     print(kg.stiffness.report(mesh, stiffness=rung), end="\n\n")
 
 # %% [markdown]
@@ -69,7 +69,7 @@ for rung in ("plate", "facet", "split"):
 # %%
 with tempfile.TemporaryDirectory() as folder:
     study = kg.study.accuracy(
-        case, [0.025], path=Path(folder) / "study", stiffness=["plate", "facet", "split"], at=[0.2, 1.0]
+        case, [0.025], path=Path(folder) / "study", stiffness=["plate", "facet", "shell"], at=[0.2, 1.0]
     )
 print(study)
 print(study.recommend(0.1))
@@ -111,7 +111,7 @@ plt.show()
 
 # %%
 refined = SHEET.mesh(0.2, cut_edge=0.2, size=estimate.size(250))
-model, top, axis = pulled(refined, "split")
+model, top, axis = pulled(refined, "shell")
 results = kg.DisplacementControl(model).run()
 better = kg.study.estimate_error(results)
 force = results.reaction(top, axis)[-1]
