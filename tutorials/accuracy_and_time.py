@@ -50,7 +50,7 @@ def case(max_edge: float, stiffness: str) -> tuple[kg.Model, Sequence[kg.Node], 
 # ## Rungs: what do the elements represent?
 #
 # `stiffness=` chooses the rung. "paper" has the constants of the publication, "plate" bars and hinges with those of a
-# plate, "facet" couples the three bars and the three hinges of a facet, and "shell" has shell facets, which converge to shell theory.
+# plate, "facet" couples the three bars and the three hinges of a facet, and "shell" converges to shell theory.
 # `kg.stiffness.report` measures the elastic constants that a mesh with these elements stands for. What it says holds on
 # any mesh of this kind: no refinement helps where a number is not 1.
 
