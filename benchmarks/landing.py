@@ -10,6 +10,8 @@ meshes, t/L = 1e-3, imperfection 1e-3 t, pulled by 10 %; and the ribbon of the R
 its seventh mode and in two random sums of modes, to a quarter of its pull. Two shapes are the same where they differ by
 less than 2 % of the norm of the deflection; mirror images in the plane of the sheet count and are marked "m".
 
+What the default tells of snaps and bifurcations is compared with a run of ten times shorter increments.
+
 The slow pull itself is settled at a load factor where it ends in the same shape three times as fast, ten times as slow,
 and with halved steps. Rows are appended to benchmarks/results/landing.csv and shapes kept in a folder beside it, so the
 comparison can be interrupted and goes on where it was.
@@ -23,6 +25,7 @@ import sys
 import time
 import warnings
 from collections.abc import Callable
+from contextlib import ExitStack
 from pathlib import Path
 from typing import Any
 from unittest import mock
@@ -31,7 +34,7 @@ import numpy as np
 from shapely import box
 
 import kirigami as kg
-from kirigami.analysis.path import slow
+from kirigami.analysis.path import methods, slow, stable
 
 sys.path.insert(0, str(Path(__file__).parent))
 import correctors
@@ -54,6 +57,10 @@ RUNS: dict[str, tuple[str, dict[str, float]]] = {
     "slow, slower": ("slow", {"SLOW": 1000.0}),
     "slow, halved steps": ("slow", {"OFF": 0.5 * slow.OFF, "TURN": 0.5 * slow.TURN}),
     **{name: (name, {}) for name in ("path", "descent", "viscous", "newton")},
+    "path, ten times finer": (
+        "path",
+        {"FIRST": 0.1 * stable.FIRST, "SHARE": 0.1 * stable.SHARE, "CLOSE": 0.1 * stable.CLOSE},
+    ),
 }
 TABLE = Path(__file__).parent / "results" / "landing.csv"
 SHAPES = TABLE.with_suffix("")  # folder of the shapes
@@ -94,12 +101,16 @@ def pull(sheet: str, run: str) -> dict[str, str]:
     corrector, constants = RUNS[run]
     m = SHEETS[sheet]()
     began = time.process_time()
-    with warnings.catch_warnings(), mock.patch.multiple(slow, **constants):
+    with warnings.catch_warnings(), ExitStack() as changed:
+        for module in (slow, stable, methods):
+            known = {name: value for name, value in constants.items() if hasattr(module, name)}
+            changed.enter_context(mock.patch.dict(vars(module), known))
         warnings.simplefilter("ignore", kg.KirigamiWarning)
         res = kg.DisplacementControl(m, targets=POINTS, corrector=corrector).run(on_failure="return")
     seconds = time.process_time() - began
     row = {"sheet": sheet, "run": run, "nodes": str(len(m.nodes)), "cpu_seconds": f"{seconds:.1f}"}
     row |= {"factorizations": str(res.stats["factorizations"]), "end": f"{res.lam[-1]:.4g}"}
+    row["events"] = "; ".join(f"{e.kind} {e.bracket[0]:.6g} {e.bracket[1]:.6g}" for e in res.events)
     energy = np.sum(list(res.energy.values()), axis=0)
     steps = [int(np.argmin(np.abs(res.lam - point))) for point in POINTS]
     for point, step in zip(POINTS, steps):
@@ -150,7 +161,7 @@ def settled(sheet: str, done: set[tuple[str, str]]) -> list[bool] | None:
 def markdown(rows: list[dict[str, str]]) -> str:
     """A line for each sheet and load factor: is the slow pull settled, and how far the others land from it."""
     done = {(row["sheet"], row["run"]): row for row in rows}
-    methods = [name for name in RUNS if not name.startswith("slow")]
+    methods = [name for name in RUNS if "," not in name and name != "slow"]
     lines = ["| sheet | of the pull | settled | " + " | ".join(methods) + " |", "|---" * (3 + len(methods)) + "|"]
     same: dict[str, list[bool]] = {name: [] for name in methods}
     for sheet in SHEETS:
@@ -177,7 +188,32 @@ def markdown(rows: list[dict[str, str]]) -> str:
     for name, found in same.items():
         if found:
             lines.append(f"\n{name}: {sum(found)} of {len(found)} where the slow pull is settled")
+    lines += events_agree(done)
     return "\n".join(lines)
+
+
+def told(row: dict[str, str], kind: str) -> list[tuple[float, float]]:
+    """Brackets of the events of a kind."""
+    listed = (event.rsplit(" ", 2) for event in row["events"].split("; ") if event)
+    return [(float(low), float(high)) for name, low, high in listed if name == kind]
+
+
+def events_agree(done: dict[tuple[str, str], dict[str, str]]) -> list[str]:
+    """Snaps and bifurcations told by the default against a run of ten times shorter increments."""
+    lines, agreed = [], []
+    for sheet in SHEETS:
+        if any((sheet, run) not in done for run in ("path", "path, ten times finer")):
+            continue
+        default, finer = done[sheet, "path"], done[sheet, "path, ten times finer"]
+        same = True
+        for kind in ("snap", "bifurcation"):
+            one, two = told(default, kind), told(finer, kind)
+            same &= len(one) == len(two) and all(a[0] <= b[1] and b[0] <= a[1] for a, b in zip(one, two))
+        agreed.append(same)
+        if not same:
+            lines.append(f"* {sheet}: {default['events'] or 'nothing'}; finer: {finer['events'] or 'nothing'}")
+    head = f"\nsnaps and bifurcations as in a run of ten times shorter increments: {sum(agreed)} of {len(agreed)}"
+    return [head, *lines] if agreed else []
 
 
 def main() -> None:
