@@ -78,7 +78,7 @@ class NewtonSteps(Steps):
             return attempt, run.tangent_at(attempt)
         attempt = run.try_increment(before, increment)
         tangent = run.tangent_at(attempt)
-        if tangent is not None:
+        if tangent is not None and not run.downhill:  # which tells by the energy set free
             attempt.reason = run.control.doubt(before, attempt, tangent)
             if attempt.reason:
                 return attempt, None
