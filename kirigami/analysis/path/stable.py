@@ -9,7 +9,8 @@ the first buckle. So
 * where the path is lost or bends sharply, the descent starts from a short way on: at most a quarter of the distance
   from the start, and where it sets energy free a twentieth of it, so that the snap is bracketed;
 * where the path goes on unstable, the descent leaves along the softest mode of the last stable equilibrium, in the
-  sense in which the path was moving, which is the side that an imperfection chooses.
+  sense in which the path was moving, which is the side that an imperfection chooses; the first time, where a flat sheet
+  buckles, from as close.
 """
 
 from __future__ import annotations
@@ -43,6 +44,7 @@ PUSH = 0.01  # turn by which an unstable equilibrium is left along the softest m
 class StableSteps(Steps):
     """Increments of the corrector "path"."""
 
+    buckled = False  # whether the path was lost before: a flat sheet takes its side once
     rate: Array | None = None  # change of the unknowns with the load factor at the last but one point of a smooth path
     rate_lam = 0.0  # its load factor
 
@@ -60,7 +62,7 @@ class StableSteps(Steps):
             if tangent is not None and tangent.factor.negative == 0 and self._is_smooth(before, attempt):
                 return self._accept(attempt, tangent), attempt, increment
             unstable = tangent is not None and tangent.factor.negative > 0
-            closer = unstable or turn > DESCENT_TURN or not driven
+            closer = (unstable and not self.buckled) or turn > DESCENT_TURN or not driven
             if abs(increment) > 1.0001 * reach or (closer and not short):
                 shorter = min(CUT * abs(increment), reach)
                 increment = self._cut(before, sense * max(shorter, least))
@@ -75,6 +77,7 @@ class StableSteps(Steps):
             if not short and sets_energy_free(run, before, point):
                 increment = self._cut(before, sense * max(CUT * abs(increment), least))
                 continue
+            self.buckled = True
             tell_events(run, before, point, increment, landed.left, landed.drift)
             return point, landed, increment
 
@@ -177,4 +180,4 @@ class StableSteps(Steps):
     @property
     def memory(self) -> dict[str, Any]:
         own = {} if self.rate is None else {"rate": self.rate, "rate_lam": self.rate_lam}
-        return {**super().memory, **own}
+        return {**super().memory, "buckled": self.buckled, **own}
