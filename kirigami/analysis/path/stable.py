@@ -167,15 +167,16 @@ class StableSteps(Steps):
 
     def settle(self, before: Point, after: Point, attempt: Attempt, increment: float) -> None:
         increments = self.run.increments
+        distance = abs(after.state.lam - increments.leg)
         if attempt.relaxed:
             self.rate = None
-            increments.resize(increment, 2.0)
+            increments.resize(increment, max(2.0, SHARE * distance / abs(increment)))
         else:
             self.rate, self.rate_lam = before.tangent.rate, before.state.lam
             increments.resize(increment, float(np.clip((WANTED / max(attempt.drift, 1e-9)) ** 0.5, 0.5, 2.0)))
         straight = not attempt.relaxed and attempt.drift < 0.01 * WANTED
         share = 1.0 if straight else SHARE  # as before the first buckle
-        increments.size = min(increments.size, max(share * abs(after.state.lam - increments.leg), increments.first))
+        increments.size = min(increments.size, max(share * distance, increments.first))
 
     @property
     def memory(self) -> dict[str, Any]:
