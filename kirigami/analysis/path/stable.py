@@ -36,8 +36,8 @@ STRAIGHT = 0.02  # the same where a path goes on unstable: it was predicted to s
 HARMLESS = 1e-3  # ... or this angle [rad]
 WANTED = 0.02  # turn by which corrections shall leave the prediction: steers the increments [rad]
 PREDICTED_TURN = 0.2  # a prediction that turns a member by more is not followed [rad]
-DESCENT_TURN = 1.0  # ... and is no start for a descent [rad]
-HELD_TURN = 0.02  # turn up to which a prediction is followed before a descent then [rad]
+DESCENT_TURN = 1.0  # turn up to which a prediction is followed before a descent [rad]
+LOST_TURN = 3.0  # a prediction that turns a member by more says nothing [rad]
 PUSH = 0.01  # turn by which an unstable equilibrium is left along the softest mode [rad]
 
 
@@ -62,7 +62,7 @@ class StableSteps(Steps):
             if tangent is not None and tangent.factor.negative == 0 and self._is_smooth(before, attempt):
                 return self._accept(attempt, tangent), attempt, increment
             unstable = tangent is not None and tangent.factor.negative > 0
-            closer = (unstable and not self.buckled) or turn > DESCENT_TURN or not driven
+            closer = (unstable and not self.buckled) or turn > LOST_TURN or not driven
             if abs(increment) > 1.0001 * reach or (closer and not short):
                 shorter = min(CUT * abs(increment), reach)
                 increment = self._cut(before, sense * max(shorter, least))
@@ -135,9 +135,10 @@ class StableSteps(Steps):
         elif turn <= DESCENT_TURN:
             start, linear = guess, (before.state.u, guess.u - before.state.u)
         else:
-            part = HELD_TURN / turn if np.isfinite(turn) else 0.0
+            part = DESCENT_TURN / turn if turn < LOST_TURN else 0.0
             q = before.state.q + part * (guess.q - before.state.q)
             start = State(q, guess.lam, system.displacement(q, guess.lam))
+            linear = before.state.u, start.u - before.state.u
         landed = run.descend(start, linear)
         landed.iterations += 1
         landed.drift = system.largest_rotation(landed.state.u - guess.u)
