@@ -126,9 +126,10 @@ def test_place_order_direction_and_pieces_do_not_matter(seed: int) -> None:
     matrix = scale * np.array([[np.cos(turn), np.sin(turn)], [-np.sin(turn), np.cos(turn)]])
     if seed % 2:
         matrix = matrix @ np.diag([1.0, -1.0])
+    shift = scale * random.uniform(-50, 50, 2)
     changed = []
     for curve in curves:
-        points = curve.points @ matrix + scale * random.uniform(-50, 50, 2)
+        points = curve.points @ matrix + shift
         if not curve.closed and random.random() < 0.5:
             points = points[::-1]
         if len(points) == 2 and random.random() < 0.5:  # drawn in two pieces
