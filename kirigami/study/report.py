@@ -218,6 +218,11 @@ def stretch_drawing(
         warnings.warn(doubt, KirigamiWarning, stacklevel=2)
     for words in drawn.notes:
         note(words)
+    if drawn.folds:
+        number = f"{len(drawn.folds)} fold{'s' if len(drawn.folds) > 1 else ''}"
+        words = f"{number} of the drawing left out of the model: the sheet is stretched as if it were not creased"
+        warnings.warn(words, KirigamiWarning, stacklevel=2)
+        notes.append(words)
     note(f"thickness {units.show(thick, 'length')}, E {units.show(modulus, 'stress')}, nu {nu:g}")
     note(
         f"strain {units.show(wanted, 'ratio')} to reach (load factor 1), "

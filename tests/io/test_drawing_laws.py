@@ -81,8 +81,8 @@ def survey(first: int, count: int) -> str:
 
 @pytest.mark.filterwarnings("ignore::kirigami.KirigamiWarning")
 def test_random_curves_are_read_or_refused() -> None:
-    read, meshed, refused = (int(part.split()[0]) for part in survey(0, 150).split(","))
-    assert read + refused == 150 and meshed > 30 and refused > 10
+    read, meshed, refused = (int(part.split()[0]) for part in survey(0, 100).split(","))
+    assert read + refused == 100 and meshed > 20 and refused > 10
 
 
 @pytest.mark.long
