@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from kirigami.errors import ModelError
-from kirigami.primitives.checks import require_array, require_axes, require_boolean, require_finite
+from kirigami.primitives.checks import require_array, require_axes, require_boolean, require_finite, shown
 from kirigami.primitives.kernel import Array, Kernel
 from kirigami.primitives.node import AXES, Node, listed
 from kirigami.primitives.parts import ModelObject, Numbering
@@ -194,7 +194,7 @@ class Symmetry(Constraint):
         group = listed(nodes, "Symmetry")
         if not isinstance(normal, str) or normal not in tuple(AXES):
             raise ModelError(
-                f"Symmetry: normal must be 'x', 'y' or 'z', got {normal!r}; turn the model so that the plane lies "
+                f"Symmetry: normal must be 'x', 'y' or 'z', got {shown(normal)}; turn the model so that the plane lies "
                 "across an axis"
             )
         super().__init__(group, {normal: np.zeros(len(group))}, constant=True, mirror=normal)

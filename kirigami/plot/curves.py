@@ -74,8 +74,10 @@ def plot_curve(
     >>> [text.get_text() for text in ax.get_legend().get_texts()]
     ['stable', 'unstable', 'limit point']
     """
-    if isinstance(axis, str):  # a direction is checked by what sums the reaction
+    if isinstance(axis, str):
         require_axis(axis, "plot_curve")
+    else:
+        require_array(axis, (2,), (3,), name="axis", owner="plot_curve")
     across, across_label = _abscissa(results, x, "plot_curve")
     if nodes is None and isinstance(x, str):
         raise ModelError("plot_curve: give nodes whose reaction is drawn, or x=(node, axis) for the load factor")

@@ -78,6 +78,7 @@ class AccuracyStudy:
 
     def other_shape(self, row: Mapping[str, Any]) -> float | None:
         """The first load factor at which a run has another shape than the reference; None where it has the same."""
+        require_mapping(row, "row", "AccuracyStudy")
         for lam, shape in zip(self.at.tolist(), self.shapes):
             found = row.get(_column("shape", lam))
             if found not in (None, "") and print_distance(str(found), shape) > self.alike:

@@ -330,6 +330,7 @@ CALLS: dict[str, Callable[[], Call]] = {
         },
     ),
     "study.AccuracyStudy.error": lambda: (study().error, {"row": next(iter(study().table)), "quantity": "force"}),
+    "study.AccuracyStudy.other_shape": lambda: (study().other_shape, {"row": next(iter(study().table))}),
     "study.AccuracyStudy.values": lambda: (study().values, {"row": next(iter(study().table)), "quantity": "force"}),
     "study.AccuracyStudy.front": lambda: (study().front, {}),
     "study.AccuracyStudy.plot": lambda: (study().plot, {}),
