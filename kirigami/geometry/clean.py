@@ -48,7 +48,7 @@ class Frame:
 
 
 @dataclass(frozen=True, eq=False)
-class Drawing:
+class LineWork:
     """A clean planar graph in the unit frame.
 
     Attributes
@@ -99,7 +99,7 @@ def clean(
     snap: float = 1e-5,
     spacing: float = 0.0,
     allow_parts: bool = False,
-) -> Drawing:
+) -> LineWork:
     """Turn an outline, its cuts and embedded lines into a clean planar graph.
 
     Parameters
@@ -157,7 +157,7 @@ def clean(
     used, edge_points = np.unique(hull.directed(inside)[kept], return_inverse=True)
     owners = sorted({owners_of[edge] for edge in kept})
     label_of = {label: number for number, label in enumerate(owners)}
-    return Drawing(
+    return LineWork(
         points=points[used],
         edges=edge_points.reshape(-1, 2).astype(np.int64),
         is_boundary=sides[kept] == 1,

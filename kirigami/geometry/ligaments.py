@@ -14,7 +14,7 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from kirigami.geometry.clean import Drawing
+from kirigami.geometry.clean import LineWork
 from kirigami.geometry.triangulate import Triangulation, carve, triangulate
 
 Integers = NDArray[np.int64]
@@ -43,12 +43,12 @@ class Ligaments:
     widths: Floats
 
 
-def find_ligaments(drawing: Drawing) -> Ligaments:
+def find_ligaments(drawing: LineWork) -> Ligaments:
     """Sections across every ligament of a drawing, about two per width along bands.
 
     Parameters
     ----------
-    drawing : Drawing
+    drawing : LineWork
         What `kirigami.geometry.clean.clean` returns; lines that are not cut do not bound ligaments.
 
     Examples

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kirigami.errors import GeometryError
-from kirigami.geometry.clean import Drawing
+from kirigami.geometry.clean import LineWork
 from kirigami.geometry.topology import paired_half_edges
 from kirigami.geometry.triangulate import Triangulation, carve, triangulate
 
@@ -57,7 +57,7 @@ class SizeField:
 
 
 def triangulate_drawing(
-    drawing: Drawing,
+    drawing: LineWork,
     max_edge: float,
     cut_edge: float,
     min_angle: float,
@@ -68,7 +68,7 @@ def triangulate_drawing(
 
     Parameters
     ----------
-    drawing : Drawing
+    drawing : LineWork
         What `kirigami.geometry.clean.clean` returns.
     max_edge, cut_edge : float
         Edge lengths far from the cuts and along them.
@@ -144,7 +144,7 @@ def triangulate_drawing(
     return _smoothed(made, size)
 
 
-def _expected_facets(drawing: Drawing, is_cut: NDArray[np.bool_], max_edge: float, cut_edge: float) -> float:
+def _expected_facets(drawing: LineWork, is_cut: NDArray[np.bool_], max_edge: float, cut_edge: float) -> float:
     """Facets of a uniform mesh, and of the graded bands along the cuts as long as these do not overlap."""
     ends = drawing.points[drawing.edges[is_cut]]
     cut_length = np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1).sum()
@@ -152,7 +152,7 @@ def _expected_facets(drawing: Drawing, is_cut: NDArray[np.bool_], max_edge: floa
     return float(drawing.area / (EQUILATERAL * max_edge**2) + band)
 
 
-def _sampled(drawing: Drawing, local: LocalSize, max_edge: float) -> tuple[float, float]:
+def _sampled(drawing: LineWork, local: LocalSize, max_edge: float) -> tuple[float, float]:
     """Smallest wanted length of a local size, and the facets it asks for."""
     low, high = drawing.points.min(axis=0), drawing.points.max(axis=0)
     step = float(np.sqrt(np.prod(high - low) / SAMPLES))

@@ -13,7 +13,7 @@ from shapely.geometry.base import BaseGeometry
 
 from kirigami.deferred import deferred
 from kirigami.errors import GeometryError, KirigamiWarning
-from kirigami.geometry.clean import Drawing, clean
+from kirigami.geometry.clean import LineWork, clean
 from kirigami.geometry.mesh import TriMesh
 from kirigami.geometry.refine import LONGEST, signed_areas, triangulate_drawing
 from kirigami.geometry.sizing import NODES, Sizing, mesh_within, warn_of_coarse
@@ -220,7 +220,7 @@ class Sheet:
         return mesh
 
     def _opened(
-        self, drawing: Drawing, made: Triangulation, names: list[str], sizing: Sizing | None = None
+        self, drawing: LineWork, made: Triangulation, names: list[str], sizing: Sizing | None = None
     ) -> TriMesh:
         separates = drawing.label_separates[made.markers]
         triangles, origin = unzip(made.triangles, made.segments[separates])
@@ -246,7 +246,7 @@ class Sheet:
             boundary_cuts.append([cuts_of[label[low, high]] for low, high in ends.tolist()])
         return bare.with_cuts(find_cuts(bare, boundary_cuts), sizing)
 
-    def _exact(self, drawing: Drawing, unit_points: NDArray[np.float64]) -> NDArray[np.float64]:
+    def _exact(self, drawing: LineWork, unit_points: NDArray[np.float64]) -> NDArray[np.float64]:
         """Coordinates in the unit of the drawing; those that rounding has moved off a drawn one are put back on it."""
         points = drawing.frame.from_unit(unit_points)
         drawn = np.concatenate([shapely.get_coordinates(geometry) for geometry in (self.outline, *self.cuts)])
@@ -282,7 +282,7 @@ class Sheet:
         )
 
 
-def _verify(mesh: TriMesh, drawing: Drawing, made: Triangulation, max_edge: float, allow_parts: bool) -> None:
+def _verify(mesh: TriMesh, drawing: LineWork, made: Triangulation, max_edge: float, allow_parts: bool) -> None:
     """Hold the mesh to what a mesh of this drawing must be; the mesh generator itself reports nothing."""
     area = float(signed_areas(made.points, made.triangles).sum())
     if abs(area - drawing.area) > 1e-10 * drawing.area:

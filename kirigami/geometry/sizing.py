@@ -16,7 +16,7 @@ import shapely
 from numpy.typing import NDArray
 
 from kirigami.errors import KirigamiWarning
-from kirigami.geometry.clean import Drawing
+from kirigami.geometry.clean import LineWork
 from kirigami.geometry.ligaments import Ligaments, find_ligaments
 from kirigami.geometry.refine import EQUILATERAL, triangulate_drawing
 from kirigami.geometry.triangulate import Triangulation
@@ -119,7 +119,7 @@ class _Lengths:
 class _Law:
     """Edge lengths of one drawing as a function of one scale."""
 
-    def __init__(self, drawing: Drawing, ligaments: Ligaments) -> None:
+    def __init__(self, drawing: LineWork, ligaments: Ligaments) -> None:
         low, high = drawing.points.min(axis=0), drawing.points.max(axis=0)
         self.longest = EDGE * float(min(high - low))
         shares = np.linspace(0.0, 1.0, 5)[:, None, None]
@@ -143,7 +143,7 @@ class _Law:
         return _Lengths(points, lengths, min(GROWTH * scale, STEEPEST), scale * self.longest)
 
 
-def _extents(drawing: Drawing) -> tuple[Floats, Integers]:
+def _extents(drawing: LineWork) -> tuple[Floats, Integers]:
     """Extent of each connected piece of the line work but the outermost, and the piece of each point, -1 for none."""
     from scipy.sparse import coo_array
     from scipy.sparse.csgraph import connected_components
@@ -161,7 +161,7 @@ def _extents(drawing: Drawing) -> tuple[Floats, Integers]:
     return extents, np.where(alone[piece] | (piece == outermost), -1, piece)
 
 
-def _tips(drawing: Drawing) -> Integers:
+def _tips(drawing: LineWork) -> Integers:
     """Points with more sheet between two lines than `REENTRANT` degrees: ends of slits and sharp corners."""
     chosen = drawing.label_separates[drawing.labels]
     edges, boundary = drawing.edges[chosen], drawing.is_boundary[chosen]
@@ -181,12 +181,12 @@ def _tips(drawing: Drawing) -> Integers:
     return tips
 
 
-def mesh_within(drawing: Drawing, nodes: int, min_angle: float) -> tuple[Triangulation, Sizing]:
+def mesh_within(drawing: LineWork, nodes: int, min_angle: float) -> tuple[Triangulation, Sizing]:
     """Triangulate a drawing with about so many nodes, where they are needed most, and say what came of it.
 
     Parameters
     ----------
-    drawing : Drawing
+    drawing : LineWork
         What `kirigami.geometry.clean.clean` returns.
     nodes : int
         Nodes that the mesh, opened along its slits, may have.
@@ -212,7 +212,7 @@ def mesh_within(drawing: Drawing, nodes: int, min_angle: float) -> tuple[Triangu
 
 
 def _scaled_to(
-    drawing: Drawing, law: _Law, scale: float, nodes: int, min_angle: float
+    drawing: LineWork, law: _Law, scale: float, nodes: int, min_angle: float
 ) -> tuple[Triangulation, float, int]:
     """The triangulation nearest to a number of nodes, its scale and its nodes, sought from a first scale."""
     tried: list[tuple[int, float, int, Triangulation]] = []
@@ -239,7 +239,7 @@ def _edges(made: Triangulation) -> Integers:
     return edges
 
 
-def _first_scale(drawing: Drawing, law: _Law, nodes: int) -> float:
+def _first_scale(drawing: LineWork, law: _Law, nodes: int) -> float:
     """A scale from the nodes that the lengths ask for on a lattice over the sheet."""
     low, high = drawing.points.min(axis=0), drawing.points.max(axis=0)
     side = 160
@@ -249,7 +249,7 @@ def _first_scale(drawing: Drawing, law: _Law, nodes: int) -> float:
 
 
 def _told(
-    drawing: Drawing, edges: Floats, ligaments: Ligaments, layers: Floats, budget: int, nodes: int
+    drawing: LineWork, edges: Floats, ligaments: Ligaments, layers: Floats, budget: int, nodes: int
 ) -> Sizing:
     lengths = np.linalg.norm(edges[:, 1] - edges[:, 0], axis=1) * drawing.frame.size
     told = Sizing(
