@@ -8,6 +8,7 @@ import numpy as np
 import shapely
 
 import kirigami as kg
+from kirigami.geometry.clean import SCRAP
 
 KINDS = ("slits", "crossing slits", "slits and openings", "wild")
 
@@ -72,8 +73,9 @@ def _wild_cuts(random: np.random.Generator, outline: shapely.Polygon) -> list[An
 
 
 def parts_of(outline: shapely.Polygon, cuts: list[Any]) -> int:
-    """Number of pieces of the sheet: the faces of the drawing that are no opening."""
+    """Number of pieces of the sheet that are no scrap: faces that are no opening, above a tenth of the largest."""
     openings = shapely.union_all([cut for cut in cuts if cut.geom_type == "Polygon"])
     lines = [cut.exterior if cut.geom_type == "Polygon" else cut for cut in cuts]
     faces = shapely.polygonize([shapely.union_all([outline.exterior, *lines])])
-    return sum(not openings.covers(face.representative_point()) for face in faces.geoms)
+    area = [face.area for face in faces.geoms if not openings.covers(face.representative_point())]
+    return sum(part > SCRAP * max(area) for part in area)

@@ -218,7 +218,9 @@ def test_doubts_are_notes_of_one_line(tmp_path: Path, capsys: pytest.CaptureFixt
     assert cli.main(words) == 0
     said = capsys.readouterr()
     assert said.out == ""
-    assert said.err == "kirigami: the thickness 20 mm is 16.6667 % of the size 120 mm: not a thin sheet\n"
+    notes = said.err.splitlines()
+    assert "kirigami: the thickness 20 mm is 16.6667 % of the size 120 mm: not a thin sheet" in notes
+    assert all(note.startswith("kirigami: ") for note in notes)
 
 
 def test_a_path_that_ends_early_is_written_and_ends_with_1(
@@ -268,7 +270,7 @@ def test_a_sheet_without_equilibrium_at_rest_is_a_sentence(
     monkeypatch.setattr(PathAnalysis, "run", lost)
     assert cli.main(["stretch", PLATE, *SHEET, "--folder", str(tmp_path / "out")]) == 1
     said = capsys.readouterr().err
-    assert said.startswith("kirigami: the sheet was followed to a strain of 0 %") and "at the start" in said
+    assert "\nkirigami: the sheet was followed to a strain of 0 %" in said and "at the start" in said
     assert not list(tmp_path.iterdir())
 
 
@@ -385,3 +387,13 @@ def test_a_closed_pipe_ends_quietly() -> None:
     )
     os.close(write)
     assert (done.returncode, done.stderr) == (0, b"")
+
+
+def test_metres_that_nobody_meant_are_taken_as_millimetres(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Libraries write metres into the head of a drawing: 80 m of 0.1 mm is no sheet, and 80 mm is meant."""
+    drawing = str(DRAWINGS / "repaired" / "k13a_header_says_metres.dxf")
+    words = ["stretch", drawing, "--thickness", "0.1mm", "--E", "3.5GPa", "--strain", "0.1%", "--accuracy", "draft"]
+    assert cli.main([*words, "--nodes", "150", "--folder", str(tmp_path / "a"), "--json"]) == 0
+    said = capsys.readouterr()
+    assert "taken as millimetres; --drawn-in m" in said.err
+    assert json.loads(said.out)["free_length"] < 0.1

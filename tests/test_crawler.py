@@ -71,7 +71,8 @@ def test_fins_pop_out_as_the_body_is_stretched(crawler: Any, pulled: tuple[Any, 
 
 def test_fin_at_rest_is_alike_both_ways_to_first_order(crawler: Any, pulled: tuple[Any, kg.Results]) -> None:
     """What is different each way comes with displacement: a fin pushed against its tip buckles."""
-    forces = crawler.pushed(crawler.skin("triangle", **SMALL), pulled[1][0], push=1e-5)[:, -1]
+    skin, at = crawler.skin("triangle", **SMALL), pulled[1][0]
+    forces = crawler.pushed(skin, kg.Step.at(skin.model, at.lam, at.u), push=1e-5)[:, -1]
     assert forces[0] == pytest.approx(forces[1], rel=0.01)
 
 

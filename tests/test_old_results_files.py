@@ -29,7 +29,9 @@ def test_energies_and_reactions_of_old_files(name):
         assert res.energy[kind] == pytest.approx(values, rel=1e-9, abs=1e-12 * scale)
     force = sum(expected["reactions"])
     total = sum(np.abs(res.reaction(node)).sum() for node in range(len(res.rest)))
-    assert total == pytest.approx(force, rel=1e-9)
+    # A clamp of version 0.1 gave its moment to other nodes of the held edge than today's, whose image truly mirrors.
+    clamped = "clamps" in res.energy
+    assert total == pytest.approx(force, rel=5e-5 if clamped else 1e-9)
 
 
 def test_every_old_file_is_tried():

@@ -105,7 +105,8 @@ def pulled(imperfection: float, to: float, steps: int = 1) -> kg.Results:
     """The path of a sheet whose seed is `imperfection` thicknesses high."""
     model, _ = held_sheet()
     model.perturb(first, amplitude=imperfection * THICKNESS)
-    return kg.DisplacementControl(model, to=to, targets=np.linspace(0, to, steps + 1)[1:]).run()
+    # At the critical load the sheet hardly resists: a tiny seed shows only where the residual is smaller still.
+    return kg.DisplacementControl(model, to=to, targets=np.linspace(0, to, steps + 1)[1:], tol=1e-10).run()
 
 
 figure, (force_ax, height_ax) = plt.subplots(1, 2, figsize=(7.5, 3.2), layout="constrained")

@@ -29,7 +29,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from kirigami.deferred import deferred
-from kirigami.elements.mesh_bias import MeshBias
 from kirigami.errors import ModelError
 from kirigami.primitives.checks import require_choice, require_instance, require_positive
 from kirigami.primitives.kernel import Array
@@ -151,4 +150,6 @@ def directional_bias(mesh: TriMesh) -> tuple[float, float]:
     those in the surface, so that a rolled sheet has the bias of the flat one.
     """
     _check_mesh(mesh, "directional_bias")
+    from kirigami.elements.mesh_bias import MeshBias  # a truss needs no mesh
+
     return MeshBias(mesh).edges

@@ -28,6 +28,9 @@ if TYPE_CHECKING:
     from kirigami.drawing.drawing import Drawing
 
 
+FOIL = 1e-5  # thickness over size below which the unit in a drawing's head cannot be meant
+
+
 @dataclass
 class Report:
     """What a stretched drawing gave.
@@ -209,7 +212,7 @@ def stretch_drawing(
     thick, modulus = units.parse(thickness, "length"), units.parse(E, "stress")
     wanted = units.parse(strain, "ratio")
     if isinstance(drawing, (str, os.PathLike)):
-        name, drawn = Path(drawing).stem, read_drawing(drawing, **{**reading, "unit": "m"})
+        name, drawn = Path(drawing).stem, _read_in_metres(drawing, thick, reading, say)
     else:
         name, drawn = "sheet", drawing
     sheet = drawn.sheet(thick, Material(E=modulus, nu=nu))
@@ -303,3 +306,21 @@ def write_report(report: Report, folder: str | os.PathLike[str], say: Callable[[
             say(f"left out: {error}")
     report.files = files
     return files
+
+
+def _read_in_metres(path: Any, thickness: float, reading: dict[str, Any], say: Callable[[str], None]) -> Drawing:
+    """The drawing in metres; where its head says metres and no sheet can be so large and thin, taken as millimetres.
+
+    Libraries write metres into a drawing's head unless they are told otherwise.
+    """
+    drawn = read_drawing(path, **{**reading, "unit": "m"})
+    size = max(_size(drawn.outline.bounds))
+    if "drawn_in" in reading or "drawn in m, converted to m" not in drawn.notes or thickness > FOIL * size:
+        return drawn
+    words = (
+        f"the head of the drawing says metres, which makes a sheet of {size:.6g} m and "
+        f"{units.show(thickness, 'length')}: taken as millimetres; --drawn-in m takes it at its word"
+    )
+    warnings.warn(words, KirigamiWarning, stacklevel=3)
+    say(words)
+    return read_drawing(path, **{**reading, "unit": "m", "drawn_in": "mm"})

@@ -105,7 +105,7 @@ def test_severed_sheets_are_refused_with_their_parts(drawing: str) -> None:
     cuts = {
         "across": [[(0, 0.4), (1, 0.6)]],
         "loop": [[(0.3, 0.3), (0.7, 0.3), (0.7, 0.7), (0.3, 0.7), (0.3, 0.3)]],
-        "crossing": [[(0.3, 0), (0.3, 0.6)], [(0, 0.3), (0.6, 0.3)]],
+        "crossing": [[(0.35, 0), (0.35, 0.6)], [(0, 0.35), (0.6, 0.35)]],
     }[drawing]
     sheet = kg.Sheet(shapely.box(0, 0, 1, 1), [shapely.LineString(cut) for cut in cuts])
     with pytest.raises(kg.GeometryError, match="sever the sheet into 2 parts"):

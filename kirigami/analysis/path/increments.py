@@ -91,7 +91,8 @@ class Increments:
         places = np.array(stations)
         turns = np.flatnonzero(np.diff(np.sign(np.diff(places))) != 0) + 1
         legs = np.abs(np.diff(places[[0, *turns, -1]]))
-        return float(np.log1p(legs / self.at_turns).sum() if np.isfinite(self.at_turns) else legs.sum())
+        careful = 0 < self.at_turns < np.inf
+        return float(np.log1p(legs / self.at_turns).sum() if careful else legs.sum())
 
 
 def checked_targets(targets: ArrayLike | None, owner: str) -> list[float]:
