@@ -73,9 +73,19 @@ def _wild_cuts(random: np.random.Generator, outline: shapely.Polygon) -> list[An
 
 
 def parts_of(outline: shapely.Polygon, cuts: list[Any]) -> int:
-    """Number of pieces of the sheet that are no scrap: faces that are no opening, above a tenth of the largest."""
+    """Number of pieces of the sheet: the faces of the drawing that are no opening."""
+    return len(areas_of(outline, cuts))
+
+
+def falls_apart(outline: shapely.Polygon, cuts: list[Any]) -> bool:
+    """Whether a second piece of the sheet is too large to fall out as scrap."""
+    area = sorted(areas_of(outline, cuts))
+    return len(area) > 1 and area[-2] > SCRAP * area[-1]
+
+
+def areas_of(outline: shapely.Polygon, cuts: list[Any]) -> list[float]:
+    """Areas of the pieces of the sheet."""
     openings = shapely.union_all([cut for cut in cuts if cut.geom_type == "Polygon"])
     lines = [cut.exterior if cut.geom_type == "Polygon" else cut for cut in cuts]
     faces = shapely.polygonize([shapely.union_all([outline.exterior, *lines])])
-    area = [face.area for face in faces.geoms if not openings.covers(face.representative_point())]
-    return sum(part > SCRAP * max(area) for part in area)
+    return [face.area for face in faces.geoms if not openings.covers(face.representative_point())]
