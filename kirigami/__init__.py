@@ -44,6 +44,8 @@ _HOME = {
     "Sphere": "effects.contact",
     "check_kernel": "primitives.check_kernel",
     "Sheet": "geometry.sheet",
+    "Fold": "geometry.fold_line",
+    "FoldEdges": "geometry.fold_line",
     "TriMesh": "geometry.mesh",
     "LinearStatic": "analysis.linear",
     "Eigen": "analysis.eigen",
@@ -116,6 +118,8 @@ if TYPE_CHECKING:
     from kirigami.errors import MechanismError as MechanismError
     from kirigami.errors import ModelError as ModelError
     from kirigami.geometry import cuts as cuts
+    from kirigami.geometry.fold_line import Fold as Fold
+    from kirigami.geometry.fold_line import FoldEdges as FoldEdges
     from kirigami.geometry.mesh import TriMesh as TriMesh
     from kirigami.geometry.sheet import Sheet as Sheet
     from kirigami.lattice import bloch as bloch

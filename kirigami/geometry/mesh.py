@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from kirigami.errors import GeometryError
+from kirigami.geometry.fold_line import FoldEdges
 from kirigami.geometry.topology import (
     area_vectors,
     oriented_triangles,
@@ -82,12 +83,15 @@ class TriMesh:
         Material of the sheet, passed on to the model.
     cuts : sequence of CutLoop, optional
         The cuts. Without it every boundary loop but the outer one is a cut, from bottom to top and left to right.
+    folds : sequence of FoldEdges
+        Edges along which the sheet is creased.
 
     Raises
     ------
     GeometryError
         If a coordinate is not finite, an index is out of range, a facet is degenerate or given twice, an edge has more
-        than two facets, facets overlap along an edge, a node is unused, or the surface has only one side.
+        than two facets, facets overlap along an edge, a node is unused, the surface has only one side, or a fold runs
+        where no edge has two facets, or where another one runs.
 
     Notes
     -----
@@ -113,6 +117,7 @@ class TriMesh:
         thickness: float | None = None,
         material: Material | None = None,
         cuts: Sequence[CutLoop] | None = None,
+        folds: Sequence[FoldEdges] = (),
     ) -> None:
         self.nodes: Floats = _read_only(_checked_nodes(nodes))
         self.triangles: Integers = _read_only(oriented_triangles(self.nodes, _checked_triangles(self.nodes, triangles)))
@@ -121,6 +126,7 @@ class TriMesh:
         self.thickness = None if thickness is None else require_positive(thickness, "thickness", "TriMesh")
         self.material = None if material is None else require_instance(material, Material, "material", "TriMesh")
         self._given_cuts = None if cuts is None else _checked_cuts(cuts, len(self.nodes))
+        self.folds: tuple[FoldEdges, ...] = tuple(self._checked_folds(folds))
         self.sizing: Sizing | None = None  # what a mesh with a budget of nodes has come to
 
     # --- edges -----------------------------------------------------------------------------------------------------
@@ -147,6 +153,16 @@ class TriMesh:
         first, second = self._half_edges
         wings = [np.where(half < 0, -1, self.triangles[half // 3, (half + 2) % 3]) for half in (first, second)]
         return _read_only(np.column_stack(wings))
+
+    @cached_property
+    def edge_folded(self) -> NDArray[np.bool_]:
+        """Which edges lie on a fold, shape (e,)."""
+        folded = np.zeros(len(self.edges), bool)
+        if self.folds:
+            count = len(self.nodes)
+            along = np.concatenate([pair_keys(fold.edges, count) for fold in self.folds])
+            folded = np.isin(pair_keys(self.edges, count), along)
+        return _read_only(folded)
 
     @cached_property
     def boundary_edges(self) -> Integers:
@@ -360,13 +376,42 @@ class TriMesh:
         copied.sizing = sizing
         return copied
 
+    def with_folds(self, folds: Sequence[FoldEdges]) -> TriMesh:
+        """Copy with these folds, in the place of those that it has."""
+        copied = TriMesh(
+            self.nodes, self.triangles, self.sets,
+            thickness=self.thickness, material=self.material, cuts=self._given_cuts, folds=folds,
+        )  # fmt: skip
+        copied.sizing = self.sizing
+        return copied
+
     def scaled(self, factor: float) -> TriMesh:
         """Copy with all coordinates times ``factor``; the thickness stays as it is."""
         factor = require_positive(factor, "factor", "TriMesh.scaled", GeometryError)
         return self._copy(self.nodes * factor, self.sets, self._given_cuts)
 
     def _copy(self, nodes: Floats, sets: Mapping[str, ArrayLike], cuts: Sequence[CutLoop] | None) -> TriMesh:
-        return TriMesh(nodes, self.triangles, sets, thickness=self.thickness, material=self.material, cuts=cuts)
+        return TriMesh(
+            nodes, self.triangles, sets,
+            thickness=self.thickness, material=self.material, cuts=cuts, folds=self.folds,
+        )  # fmt: skip
+
+    def _checked_folds(self, folds: Sequence[FoldEdges]) -> list[FoldEdges]:
+        listed = require_items(folds, "folds", "TriMesh", GeometryError)
+        if not listed:
+            return []
+        count = len(self.nodes)
+        free = set(pair_keys(self.edges[self.edge_facets[:, 1] >= 0], count).tolist())
+        for number, fold in enumerate(listed):
+            require_instance(fold, FoldEdges, "folds", "TriMesh", error=GeometryError)
+            for (a, b), key in zip(fold.edges.tolist(), pair_keys(fold.edges, count).tolist()):
+                if min(a, b) < 0 or max(a, b) >= count or key not in free:
+                    raise GeometryError(
+                        f"fold {number} runs from node {a} to node {b}, where no edge joins two facets, or another "
+                        "fold runs"
+                    )
+                free.remove(key)
+        return listed
 
     def _node_set(self, name: str, which: ArrayLike) -> Integers:
         try:

@@ -14,7 +14,10 @@ from shapely.geometry.base import BaseGeometry
 from kirigami.deferred import deferred
 from kirigami.errors import GeometryError, KirigamiWarning
 from kirigami.geometry.clean import LineWork, clean
+from kirigami.geometry.fold_line import Fold, FoldEdges
+from kirigami.geometry.given import checked_line_or_polygon, checked_outline, flattened, folds_of, named_lines
 from kirigami.geometry.mesh import TriMesh
+from kirigami.geometry.topology import pair_keys
 from kirigami.geometry.refine import LONGEST, signed_areas, triangulate_drawing
 from kirigami.geometry.sizing import NODES, Sizing, mesh_within, warn_of_coarse
 from kirigami.geometry.triangulate import Triangulation
@@ -56,6 +59,9 @@ class Sheet:
         Thickness in the unit of the coordinates, handed on to the mesh and the model.
     material : Material, optional
         Handed on to the mesh and the model.
+    folds : geometry, Fold, or nested sequences of them
+        Lines along which the sheet is creased and not cut: a :class:`kirigami.Fold` says rest angle and stiffness, a
+        mere line is a fold that rests flat.
 
     Raises
     ------
@@ -79,15 +85,17 @@ class Sheet:
         cuts: Any = (),
         thickness: float | None = None,
         material: Material | None = None,
+        folds: Any = (),
     ) -> None:
-        self.outline = _checked_outline(outline)
+        self.outline = checked_outline(outline)
         self.cuts: tuple[BaseGeometry, ...] = tuple(
-            _checked_line_or_polygon(cut, f"cut {number}") for number, cut in enumerate(_flattened(cuts))
+            checked_line_or_polygon(cut, f"cut {number}") for number, cut in enumerate(flattened(cuts))
         )
         self.thickness = None if thickness is None else require_positive(thickness, "thickness", "Sheet")
         self.material = (
             None if material is None else require_instance(material, Material, "material", "Sheet")
         )
+        self.folds: tuple[Fold, ...] = tuple(folds_of(folds))
 
     @property
     def area(self) -> float:
@@ -173,7 +181,8 @@ class Sheet:
         allow_parts = require_boolean(allow_parts, "allow_parts", "Sheet.mesh", GeometryError)
         if not 0.0 < min_angle <= LARGEST_MIN_ANGLE:
             raise GeometryError(f"min_angle must lie between 0 and {LARGEST_MIN_ANGLE:g} degrees, not {min_angle}")
-        names, geometries = _named_lines(lines)
+        names, geometries = named_lines(lines)
+        creases = [fold.line for fold in self.folds]
         xmin, ymin, xmax, ymax = self.bounds
         extent = max(xmax - xmin, ymax - ymin)
         if max_edge is None:
@@ -182,7 +191,7 @@ class Sheet:
             if snap is not None:
                 relative = require_positive(snap, "snap", "Sheet.mesh", GeometryError) / extent
             snap, spacing = _checked_snap(relative, extent), COARSE / float(np.sqrt(budget))
-            drawing = clean(self.outline, self.cuts, geometries, snap, spacing, allow_parts)
+            drawing = clean(self.outline, self.cuts, [*geometries, *creases], snap, spacing, allow_parts)
             made, sizing = mesh_within(drawing, budget, min_angle)
             mesh = self._opened(drawing, made, names, sizing)
             _verify(mesh, drawing, made, np.inf, allow_parts)
@@ -201,7 +210,7 @@ class Sheet:
         # rounded so that the same drawing in another unit gives the same mesh
         longest, at_cuts = (float(f"{min(length, WIDE):.12g}") for length in (max_edge / extent, cut_edge / extent))
         snap = _checked_snap(relative, extent)
-        drawing = clean(self.outline, self.cuts, geometries, snap, at_cuts / DENSE, allow_parts)
+        drawing = clean(self.outline, self.cuts, [*geometries, *creases], snap, at_cuts / DENSE, allow_parts)
         local = None
         if size is not None:
             lengths, frame = require_callable(size, "size", "Sheet.mesh", GeometryError), drawing.frame
@@ -244,7 +253,31 @@ class Sheet:
         for loop in bare.boundary_loops:
             ends = np.sort(np.column_stack([origin[loop], origin[np.roll(loop, -1)]]), axis=1)
             boundary_cuts.append([cuts_of[label[low, high]] for low, high in ends.tolist()])
-        return bare.with_cuts(find_cuts(bare, boundary_cuts), sizing)
+        opened = bare.with_cuts(find_cuts(bare, boundary_cuts), sizing)
+        return opened.with_folds(self._creased(drawing, made, opened, origin, len(names))) if self.folds else opened
+
+    def _creased(
+        self, drawing: LineWork, made: Triangulation, mesh: TriMesh, origin: NDArray[np.int64], before: int
+    ) -> list[FoldEdges]:
+        """The edges of the opened mesh along each fold; where folds lie on one another they are the first one's."""
+        count = int(origin.max()) + 1
+        inner = np.flatnonzero(mesh.edge_facets[:, 1] >= 0)
+        keys = pair_keys(origin[mesh.edges[inner]], count)
+        free = np.ones(len(inner), bool)
+        found = []
+        for number, fold in enumerate(self.folds):
+            owner = 1 + len(self.cuts) + before + number
+            along = np.array([owner in owners for owners in drawing.owners])[made.markers]
+            mine = np.isin(keys, pair_keys(made.segments[along], count)) & free
+            free &= ~mine
+            if mine.any():
+                found.append(FoldEdges(mesh.edges[inner[mine]], fold.angle, fold.stiffness))
+            else:
+                warnings.warn(
+                    f"fold {number} folds nothing: it lies outside the sheet, or along a rim, a cut or another fold",
+                    KirigamiWarning, stacklevel=4,
+                )  # fmt: skip
+        return found
 
     def _exact(self, drawing: LineWork, unit_points: NDArray[np.float64]) -> NDArray[np.float64]:
         """Coordinates in the unit of the drawing; those that rounding has moved off a drawn one are put back on it."""
@@ -270,15 +303,17 @@ class Sheet:
     plot = deferred("kirigami.plot.undeformed:plot_sheet")
 
     def _repr_svg_(self) -> str:
-        return str(shapely.GeometryCollection([self.outline, *self.cuts])._repr_svg_())
+        lines = [fold.line for fold in self.folds]
+        return str(shapely.GeometryCollection([self.outline, *self.cuts, *lines])._repr_svg_())
 
     def __repr__(self) -> str:
         xmin, ymin, xmax, ymax = self.bounds
         openings = sum(isinstance(cut, shapely.Polygon) for cut in self.cuts)
         slits = len(self.cuts) - openings
+        folds = f", {len(self.folds)} fold{'' if len(self.folds) == 1 else 's'}" if self.folds else ""
         return (
             f"Sheet({xmax - xmin:.4g} x {ymax - ymin:.4g}, area {self.area:.4g}, "
-            f"{slits} slit{'' if slits == 1 else 's'}, {openings} opening{'' if openings == 1 else 's'})"
+            f"{slits} slit{'' if slits == 1 else 's'}, {openings} opening{'' if openings == 1 else 's'}{folds})"
         )
 
 
@@ -336,92 +371,3 @@ def _budget(nodes: int | None, unused: Mapping[str, Any]) -> int:
     if count > MOST_NODES:
         raise GeometryError(f"nodes must be a whole number from {FEWEST_NODES} to {MOST_NODES:,}, not {count}")
     return count
-
-
-def _is_coordinates(item: Any) -> bool:
-    try:
-        array = np.asarray(item, dtype=float)
-    except Exception:  # ragged, too large for a number, or foreign
-        return False
-    return array.ndim == 2 and array.shape[1] in (2, 3)
-
-
-def _checked_outline(outline: Any) -> shapely.Polygon:
-    if not isinstance(outline, BaseGeometry):
-        if not _is_coordinates(outline) or len(outline) < 3:
-            raise GeometryError("the outline must be a shapely Polygon or at least three (x, y) pairs")
-        _check_finite(np.asarray(outline, dtype=float), "the outline")
-        outline = shapely.Polygon(outline)
-    if isinstance(outline, shapely.MultiPolygon) and len(outline.geoms) == 1:
-        outline = outline.geoms[0]
-    if not isinstance(outline, shapely.Polygon):
-        parts = f" of {len(outline.geoms)} parts" if hasattr(outline, "geoms") else ""
-        raise GeometryError(f"the outline must be one Polygon, not a {outline.geom_type}{parts}")
-    checked = _checked_line_or_polygon(outline, "the outline")
-    assert isinstance(checked, shapely.Polygon)
-    return checked
-
-
-def _checked_line_or_polygon(geometry: BaseGeometry, what: str) -> BaseGeometry:
-    if not isinstance(geometry, (shapely.LineString, shapely.Polygon)):
-        raise GeometryError(f"{what} is a {geometry.geom_type}; only lines (slits) and polygons (openings) can be cut")
-    coordinates = shapely.get_coordinates(geometry)
-    _check_finite(coordinates, what)
-    geometry = _in_plane(geometry, what)
-    if isinstance(geometry, shapely.Polygon):
-        if not geometry.is_valid:
-            raise GeometryError(f"{what} is not a simple polygon: {shapely.is_valid_reason(geometry)}")
-        if not geometry.area > 0:
-            raise GeometryError(f"{what} near {tuple(coordinates[0].tolist()) if len(coordinates) else ()} has no area")
-    return geometry
-
-
-def _in_plane(geometry: BaseGeometry, what: str) -> BaseGeometry:
-    """The geometry without its heights, which must be one and the same: a sheet is cut flat and bent later."""
-    heights = np.nan_to_num(shapely.get_coordinates(geometry, include_z=True)[:, 2])  # without one it is at zero
-    low, high = float(heights.min()), float(heights.max())
-    if high > low:
-        raise GeometryError(
-            f"{what} leaves the plane: z runs from {low:.6g} to {high:.6g}. A sheet is drawn flat; bend the mesh or "
-            "move nodes of the model instead"
-        )
-    if high != 0.0:
-        warnings.warn(f"{what} lies at z = {high:.6g}; the sheet is taken at z = 0", KirigamiWarning, stacklevel=5)
-    return shapely.force_2d(geometry)
-
-
-def _check_finite(coordinates: NDArray[np.float64], what: str) -> None:
-    bad = np.flatnonzero(~np.isfinite(coordinates[:, :2]).all(axis=1))
-    if bad.size:
-        raise GeometryError(f"{what} has a coordinate that is not finite: point {bad[0]} is {coordinates[bad[0]]}")
-
-
-def _flattened(cuts: Any) -> Iterable[BaseGeometry]:
-    """Simple geometries of nested collections and lists, in order."""
-    if isinstance(cuts, BaseGeometry):
-        if hasattr(cuts, "geoms"):
-            for part in cuts.geoms:
-                yield from _flattened(part)
-        elif not cuts.is_empty:
-            yield cuts
-    elif _is_coordinates(cuts):
-        points = np.asarray(cuts, dtype=float)
-        if len(points) < 2:
-            raise GeometryError(f"a slit needs at least two points, not {points.tolist()}")
-        yield shapely.LineString(points)
-    elif isinstance(cuts, Iterable) and not isinstance(cuts, (str, bytes, Mapping)):
-        for part in cuts:
-            yield from _flattened(part)
-    else:
-        raise GeometryError(f"cuts must be shapely geometries, points or lists of them, not {type(cuts).__name__}")
-
-
-def _named_lines(lines: Any) -> tuple[list[str], list[BaseGeometry]]:
-    """Names and geometries of the embedded lines; a collection under one name is taken apart under that name."""
-    items = lines.items() if isinstance(lines, Mapping) else [("", lines)]
-    names, geometries = [], []
-    for name, geometry in items:
-        for part in _flattened(geometry):
-            names.append(name)
-            geometries.append(_checked_line_or_polygon(part, f"line {name!r}"))
-    return names, geometries

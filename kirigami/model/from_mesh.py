@@ -8,10 +8,13 @@ import numpy as np
 
 from kirigami.elements.bar import Bar
 from kirigami.elements.bend_hinge import BendHinge
+from kirigami.elements.crease import Crease, score_stiffness
 from kirigami.elements.mesh_bias import MeshBias
 from kirigami.elements.stiffness import ALIASES, Calibration, SheetConstants, bar_stiffness, hinge_stiffness
 from kirigami.errors import KirigamiWarning, ModelError
+from kirigami.geometry.fold_line import FoldEdges
 from kirigami.geometry.mesh import TriMesh
+from kirigami.geometry.topology import pair_keys
 from kirigami.primitives.checks import require_instance, require_positive
 from kirigami.primitives.material import Material
 from kirigami.primitives.node import Node
@@ -53,22 +56,24 @@ def sheet_parts(
         from kirigami.elements.shell_facet import ShellFacet
 
         corners = mesh.triangles.tolist()
-        return nodes, [ShellFacet(nodes[i], nodes[j], nodes[k], thickness, material) for i, j, k in corners], constants
+        shells = [ShellFacet(nodes[i], nodes[j], nodes[k], thickness, material) for i, j, k in corners]
+        return nodes, [*shells, *_creases(nodes, mesh, thickness, material)], constants
+    hinges = _fold_hinges(nodes, mesh, thickness, material) if dim == 3 else []
     if rung == "facet":
-        return nodes, _facets(nodes, mesh, thickness, material), constants
+        return nodes, [*_facets(nodes, mesh, thickness, material), *hinges], constants
     EA = bar_stiffness(mesh, thickness, material.E, calibration.F_s).tolist()
     elements: list[ModelObject] = [
         Bar(nodes[j], nodes[k], value) for (j, k), value in zip(mesh.edges.tolist(), EA)
     ]
     if dim == 3:
-        inner = np.flatnonzero(mesh.edge_facets[:, 1] >= 0)
+        inner = np.flatnonzero((mesh.edge_facets[:, 1] >= 0) & ~mesh.edge_folded)
         rigidity = hinge_stiffness(mesh, thickness, material.E, calibration.c)[inner].tolist()
         edges, wings = mesh.edges[inner].tolist(), mesh.edge_wings[inner].tolist()
         elements += [
             BendHinge(nodes[i], nodes[j], nodes[k], nodes[other], value)
             for (j, k), (i, other), value in zip(edges, wings, rigidity)
         ]
-    return nodes, elements, constants
+    return nodes, [*elements, *hinges], constants
 
 
 def _warn_of_bias(mesh: TriMesh, rung: str, nu: float, dim: int) -> None:
@@ -117,8 +122,41 @@ def _warn(
     return bool(off)
 
 
+def _stiffness(fold: FoldEdges, thickness: float, material: Material) -> float:
+    return score_stiffness(thickness, material) if fold.stiffness is None else fold.stiffness
+
+
+def _rest_angle(fold: FoldEdges) -> float | None:
+    """None where the fold rests flat, so that it is free of moment in a rest shape with an imperfection too."""
+    return fold.angle if fold.angle else None
+
+
+def _creases(nodes: list[Node], mesh: TriMesh, thickness: float, material: Material) -> list[ModelObject]:
+    """The folds of a mesh of shell facets, edge by edge."""
+    return [
+        Crease((nodes[a], nodes[b]), _stiffness(fold, thickness, material), _rest_angle(fold))
+        for fold in mesh.folds
+        for a, b in fold.edges.tolist()
+    ]
+
+
+def _fold_hinges(nodes: list[Node], mesh: TriMesh, thickness: float, material: Material) -> list[ModelObject]:
+    """The hinges of folds, in the place of those of the sheet; that of a free fold is none."""
+    keys = pair_keys(mesh.edges, len(mesh.nodes))
+    order = np.argsort(keys)
+    made: list[ModelObject] = []
+    for fold in mesh.folds:
+        at = order[np.searchsorted(keys[order], pair_keys(fold.edges, len(mesh.nodes)))]
+        moment = _stiffness(fold, thickness, material) * mesh.edge_lengths[at]
+        for (j, k), (i, other), value in zip(mesh.edges[at].tolist(), mesh.edge_wings[at].tolist(), moment.tolist()):
+            if value > 0:
+                hinge = BendHinge(nodes[i], nodes[j], nodes[k], nodes[other], value, rest_angle=_rest_angle(fold))
+                made.append(hinge)
+    return made
+
+
 def _facets(nodes: list[Node], mesh: TriMesh, thickness: float, material: Material) -> list[ModelObject]:
-    """Every facet one that stretches and bends against its neighbours."""
+    """Every facet one that stretches and bends against its neighbours, but not across a fold."""
     from kirigami.elements.facet import Facet
 
     # For each facet and corner, the corner of the neighbour across the opposite edge.
@@ -132,7 +170,7 @@ def _facets(nodes: list[Node], mesh: TriMesh, thickness: float, material: Materi
             edge = edge_of[a, b]
             other = facets[edge][1] if facets[edge][0] == position else facets[edge][0]
             wing = wings[edge][1] if facets[edge][0] == position else wings[edge][0]
-            across.append(nodes[wing] if other >= 0 else None)
+            across.append(nodes[wing] if other >= 0 and not mesh.edge_folded[edge] else None)
         i, j, k = (nodes[corner] for corner in triangle)
         made.append(Facet(i, j, k, thickness, material, (across[0], across[1], across[2])))
     return made

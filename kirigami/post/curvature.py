@@ -8,7 +8,7 @@ plane. Where the height is a quadratic, the angle at an edge between two facets 
 with c_p the rate of the angle with the height of node p (wings, and the two ends of the edge). Around each node the
 K is sought that meets the angles of all edges there in the least squares, each weighted with the area of its two
 facets over the squared size of R, and the sums of the three nodes give the K of a facet. This is exact for
-quadratic heights on any mesh, and does not look across cuts.
+quadratic heights on any mesh, and does not look across cuts, nor at the angles of folds.
 """
 
 from __future__ import annotations
@@ -96,7 +96,7 @@ class _Fit:
     """Least-squares curvature of facets from hinge angles."""
 
     def __init__(self, mesh: TriMesh) -> None:
-        inner = np.flatnonzero(mesh.edge_facets[:, 1] >= 0)
+        inner = np.flatnonzero((mesh.edge_facets[:, 1] >= 0) & ~mesh.edge_folded)
         self.triangles = mesh.triangles
         self.quads = np.column_stack([mesh.edge_wings[inner, 0], mesh.edges[inner], mesh.edge_wings[inner, 1]])
         rows = fold_curvature_rates(mesh.nodes[self.quads, :2])

@@ -122,12 +122,15 @@ def pack(results: Results, with_kernels: bool = True) -> dict[str, Any]:
             "cuts": [[list(cut.members), bool(cut.open)] for cut in results.mesh.cuts],
             "thickness": results.mesh.thickness,
             "material": None if results.mesh.material is None else astuple(results.mesh.material),
+            "folds": [[fold.angle, fold.stiffness] for fold in results.mesh.folds],
         }
         arrays["mesh.nodes"], arrays["mesh.triangles"] = results.mesh.nodes, results.mesh.triangles
         for position, nodes in enumerate(results.mesh.sets.values()):
             arrays[f"mesh.set{position}"] = nodes
         for position, cut in enumerate(results.mesh.cuts):
             arrays[f"mesh.cut{position}"] = np.asarray(cut.loop)
+        for position, fold in enumerate(results.mesh.folds):
+            arrays[f"mesh.fold{position}"] = fold.edges
     return {"head": np.array(json.dumps(head)), **arrays}
 
 
@@ -279,6 +282,7 @@ def _rebuild(head: dict[str, Any], data: dict[str, Any]) -> Results:
     results.steps, results.events = (_unpack_format_1 if head["format"] == 1 else unpack_path)(head, data)
     _put_tips_behind(results)
     if head["mesh"] is not None:
+        from kirigami.geometry.fold_line import FoldEdges
         from kirigami.geometry.mesh import CutLoop, TriMesh
 
         sets = {name: data[f"mesh.set{position}"] for position, name in enumerate(head["mesh"]["sets"])}
@@ -286,10 +290,14 @@ def _rebuild(head: dict[str, Any], data: dict[str, Any]) -> Results:
             CutLoop(data[f"mesh.cut{position}"], tuple(members), is_open)
             for position, (members, is_open) in enumerate(head["mesh"]["cuts"])
         ]
+        folds = [
+            FoldEdges(data[f"mesh.fold{position}"], *told)
+            for position, told in enumerate(head["mesh"].get("folds", ()))
+        ]
         thickness, material = (head["mesh"].get(name) for name in ("thickness", "material"))
         results.mesh = TriMesh(
             data["mesh.nodes"], data["mesh.triangles"], sets,
-            thickness=thickness, material=material and Material(*material), cuts=cuts,
+            thickness=thickness, material=material and Material(*material), cuts=cuts, folds=folds,
         )  # fmt: skip
     return results
 

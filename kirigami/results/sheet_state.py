@@ -142,6 +142,8 @@ class StateReader:
         mesh = self.mesh
         ends = kernel.conn[:, 1:3]
         rows, edges = matched(np.sort(ends, axis=1), np.sort(mesh.edges, axis=1))
+        smooth = ~mesh.edge_folded[edges]  # the hinges of folds are no part of the sheet between them
+        rows, edges = rows[smooth], edges[smooth]
         rate = fold_curvature_rates(mesh.nodes[kernel.conn[rows], :2])
         moment = self.results.member_force(kernel, step)[rows]
         energy = self.results.member_energy(kernel, step)[rows]
