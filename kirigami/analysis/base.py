@@ -129,9 +129,14 @@ class Run:
 
 
 def require_drive(system: System, owner: str, constant_counts: bool = False) -> None:
-    """Raise a ModelError where nothing acts on the structure."""
+    """Raise a ModelError where nothing acts on the structure.
+
+    Where what is constant counts, so do elements that are strained where they are drawn: a fold with a rest angle.
+    """
     if system.drive.any() or any(kernel.scaled for kernel in system.kernels):
         return
     if constant_counts and (system.held.any() or not all(kernel.stores_energy for kernel in system.kernels)):
+        return
+    if constant_counts and system.imbalance(np.zeros_like(system.rest), 0.0)[1] > 0:
         return
     raise ModelError(f"{owner}: nothing drives the model; add a NodalLoad, or a Prescribe with a value other than zero")

@@ -130,7 +130,7 @@ class LoadControl(_RangeAnalysis):
         super().__init__(model, to, targets, step, tol, start, on_instability, branch, corrector)
 
     def make_control(self, system: System) -> Control:
-        require_drive(system, type(self).__name__)
+        require_drive(system, type(self).__name__, constant_counts=True)
         return LoadFactorControl()
 
 
