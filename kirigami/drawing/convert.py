@@ -89,11 +89,16 @@ def _sheet_reader(name: str, kind: str) -> Callable[..., Sheet]:
     """The function behind ``Sheet.from_...`` for one format of drawings."""
 
     def read(
-        path: str | os.PathLike[str], thickness: float | None = None, material: Material | None = None, **options: Any
+        path: str | os.PathLike[str],
+        thickness: float | None = None,
+        material: Material | None = None,
+        fold_stiffness: float | None = None,
+        fold_angle: float = 0.0,
+        **options: Any,
     ) -> Sheet:
         function = getattr(importlib.import_module(f"kirigami.drawing.{name}"), f"read_{name}")
-        sheet: Sheet = function(path, **options).sheet(thickness, material)
-        return sheet
+        drawing: Drawing = function(path, **options)
+        return drawing.sheet(thickness, material, fold_stiffness=fold_stiffness, fold_angle=fold_angle)
 
     read.__name__ = f"from_{name}"
     read.__doc__ = f"""Read a sheet from {kind}.
@@ -106,6 +111,11 @@ def _sheet_reader(name: str, kind: str) -> Callable[..., Sheet]:
         Thickness, in the unit of the sheet [m].
     material : Material, optional
         Of the sheet.
+    fold_stiffness : float, optional
+        Moment per angle and length of its folds [force / rad]; None takes that of :class:`kirigami.Fold`.
+    fold_angle : float
+        Angle [rad] at which the folds rest: valleys at this one, mountains at its negative, others as
+        :meth:`kirigami.drawing.drawing.Drawing.sheet` says.
     **options
         Of :func:`kirigami.drawing.{name}.read_{name}`: roles of the lines, units, tolerances.
 

@@ -17,7 +17,7 @@ from kirigami.drawing.gaps import short_of
 from kirigami.drawing.joining import chained, led_together, without_doubles, without_specks
 from kirigami.drawing.measure import Measure
 from kirigami.drawing.rim import Rim, crossing_text, find_rim, left_out_text
-from kirigami.drawing.roles import Roles, Row, listing, table_lines, table_of
+from kirigami.drawing.roles import Roles, Row, listing, side_of_name, table_lines, table_of
 from kirigami.drawing.trimming import Trimmed, trimmed, without_effect, without_scrap
 from kirigami.errors import GeometryError, KirigamiWarning, ModelError
 from kirigami.primitives.checks import require_finite, require_items, require_whole, shown
@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     from kirigami.geometry.sheet import Sheet
     from kirigami.primitives.material import Material
 
+FOLD_LAYERS = {0.0: "FOLDS", 1.0: "VALLEY FOLDS", -1.0: "MOUNTAIN FOLDS"}
 SIZES = 1e-3, 10.0  # metres: a sheet smaller or larger than this is likely to be in another unit
 
 
@@ -46,6 +47,9 @@ class Drawing:
         Unit of length of the coordinates, "" where it is not known.
     notes : tuple of str
         What was read, joined, dropped and assumed.
+    fold_shares : tuple of float
+        Of each fold, from -1 to 1, how far it is folded in proportion to the others: 1 a valley seen from +z, -1 a
+        mountain, 0 where the drawing does not say.
     table : tuple of Row
         What each layer, colour and line type was taken for.
     left_out : tuple of shapely LineString
@@ -59,13 +63,21 @@ class Drawing:
     notes: tuple[str, ...] = field(default=(), repr=False)
     table: tuple[Row, ...] = field(default=(), repr=False)
     left_out: tuple[Any, ...] = field(default=(), repr=False)
+    fold_shares: tuple[float, ...] = field(default=(), repr=False)
 
     @property
     def report(self) -> str:
         """The notes as text, and the table of roles."""
         return "\n".join([*self.notes, *table_lines(self.table)])
 
-    def sheet(self, thickness: float | None = None, material: Material | None = None) -> Sheet:
+    def sheet(
+        self,
+        thickness: float | None = None,
+        material: Material | None = None,
+        *,
+        fold_stiffness: float | None = None,
+        fold_angle: float = 0.0,
+    ) -> Sheet:
         """The drawing as a sheet, ready to be meshed.
 
         Parameters
@@ -74,10 +86,20 @@ class Drawing:
             Thickness [length, in the unit of the coordinates].
         material : Material, optional
             Its material.
+        fold_stiffness : float, optional
+            Moment per angle and length of its folds [force / rad]; None takes that of :class:`kirigami.Fold`.
+        fold_angle : float
+            Angle [rad] at which the folds rest, 0 flat: valleys at this one, mountains at its negative, where the file
+            holds angles in proportion to the largest. Where it tells neither of any fold all are valleys, where it
+            tells of some the others rest flat.
         """
+        from kirigami.geometry.fold_line import Fold
         from kirigami.geometry.sheet import Sheet
 
-        return Sheet(self.outline, self.cuts, thickness=thickness, material=material)
+        fold_angle = require_finite(fold_angle, "fold_angle", "Drawing.sheet", GeometryError)
+        shares = self.fold_shares if any(self.fold_shares) else (1.0,) * len(self.folds)
+        folds = [Fold(line, fold_angle * share, fold_stiffness) for line, share in zip(self.folds, shares)]
+        return Sheet(self.outline, self.cuts, thickness, material, folds)
 
 
 def assemble(
@@ -123,7 +145,10 @@ def assemble(
         part = require_whole(part, "part", "reading a drawing", 1, GeometryError)
     said = list(notes)
     roles_of = roles.of(curves)
-    sorted_ones = [replace(curve, role=roles_of[k], numbers=(k,)) for k, curve in enumerate(curves)]
+    sorted_ones = [
+        replace(curve, role=role, numbers=(k,), fold=(curve.fold or side_of_name(curve.layer)) * (role == "fold"))
+        for k, (curve, role) in enumerate(zip(curves, roles_of))
+    ]
     kept = [curve for curve in sorted_ones if curve.role != "ignore"]
     if not kept:
         raise GeometryError(f"the drawing holds no curves to use; there are {listing(curves)}")
@@ -188,8 +213,10 @@ def assemble(
     became |= {number: "fold" for curve in folds.inside for number in curve.numbers if number not in became}
     table = table_of(sorted_ones, became)
     fold_lines = tuple(shapely.LineString(curve.points) for curve in folds.inside)
+    largest = max((abs(curve.fold) for curve in folds.inside), default=0.0) or 1.0
+    shares = tuple(curve.fold / largest for curve in folds.inside)
     others = [curve for number, curve in enumerate(sorted_ones) if number not in became]
-    return Drawing(outline, tuple(shapes), fold_lines, unit, tuple(said), table, tuple(lines_of(others)))
+    return Drawing(outline, tuple(shapes), fold_lines, unit, tuple(said), table, tuple(lines_of(others)), shares)
 
 
 def _gap(tolerance: float | str, size: float, unit: str) -> float:
@@ -212,9 +239,14 @@ def _joined(raw: Sequence[Curve], gap: float, said: list[str]) -> dict[str, list
     groups = {
         "outline": [curve for curve in raw if curve.role == "outline"],
         "loose": [curve for role in ("cut", "") for curve in raw if curve.role == role],
-        "fold": [curve for curve in raw if curve.role == "fold"],
     }
+    for curve in raw:  # a mountain and a valley that meet stay two
+        if curve.role == "fold":
+            groups.setdefault(f"fold {curve.fold}", []).append(curve)
     chains = {name: chained(curves, gap, said) for name, curves in groups.items()}
+    chains = {name: chains[name] for name in ("outline", "loose")} | {
+        "fold": [curve for name, curves in chains.items() if name.startswith("fold") for curve in curves]
+    }
     led = iter(led_together([curve for curves in chains.values() for curve in curves], gap, said))
     return {name: [next(led) for _ in curves] for name, curves in chains.items()}
 
@@ -314,15 +346,22 @@ def _doubt_size(outline: Any, unit: str, said: list[str]) -> None:
         )
 
 
-def folds_of(sheet: Any, more: Iterable[Any]) -> list[Any]:
-    """The folds of a sheet or drawing, and more of them, all of them lines."""
+def folds_of(sheet: Any, more: Iterable[Any]) -> list[tuple[Any, float]]:
+    """The folds of a sheet or drawing, and more of them: lines, and the angle or share that tells their side, or 0."""
     if not hasattr(sheet, "outline") or not hasattr(sheet, "cuts"):
         raise GeometryError(f"writing a drawing: it must be a Sheet or a Drawing, got {shown(sheet)}")
-    folds = [*getattr(sheet, "folds", ()), *require_items(more, "folds", "writing a drawing", GeometryError)]
-    for fold in folds:
-        if not isinstance(fold, BaseGeometry):
+    own = list(getattr(sheet, "folds", ()))
+    sides = [*getattr(sheet, "fold_shares", ()), *(0.0 for _ in own)]
+    found = []
+    for fold, side in [
+        *zip(own, sides),
+        *((fold, 0.0) for fold in require_items(more, "folds", "writing a drawing", GeometryError)),
+    ]:
+        line, side = getattr(fold, "line", fold), getattr(fold, "angle", side)
+        if not isinstance(line, BaseGeometry):
             raise GeometryError(f"writing a drawing: folds must be lines of shapely, got {shown(fold)}")
-    return folds
+        found.append((line, side))
+    return found
 
 
 def layered(sheet: Any, folds: Iterable[Any] = ()) -> Iterator[tuple[str, Floats, bool]]:
@@ -331,7 +370,7 @@ def layered(sheet: Any, folds: Iterable[Any] = ()) -> Iterator[tuple[str, Floats
     rings = [sheet.outline.exterior, *sheet.outline.interiors]
     lines = [("OUTLINE", ring) for ring in rings]
     lines += [("CUTS", line) for cut in sheet.cuts for line in _lines_of(cut)]
-    lines += [("FOLDS", line) for fold in extra for line in _lines_of(fold)]
+    lines += [(FOLD_LAYERS[np.sign(side)], line) for fold, side in extra for line in _lines_of(fold)]
     for layer, line in lines:
         points = shapely.get_coordinates(line)
         closed = len(points) > 3 and bool((points[0] == points[-1]).all())

@@ -20,6 +20,8 @@ from kirigami.units import metres_per
 
 INSUNITS = {1: "in", 2: "ft", 4: "mm", 5: "cm", 6: "m", 7: "km", 9: "mil", 12: "nm", 13: "um", 14: "dm"}
 
+COLOR_OF_LAYER = {"OUTLINE": 7, "CUTS": 1, "FOLDS": 5, "VALLEY FOLDS": 5, "MOUNTAIN FOLDS": 3}
+
 
 def read_dxf(
     path: str | os.PathLike[str],
@@ -292,9 +294,11 @@ def write_dxf(
     factor = float(round(ratio)) if abs(ratio - round(ratio)) < 1e-12 * ratio else ratio
     document = ezdxf.new("R2010", units=codes[drawn_in])
     space = document.modelspace()
-    for layer, color in (("OUTLINE", 7), ("CUTS", 1), ("FOLDS", 5)):
-        document.layers.add(layer, color=color)
-    for layer, points, closed in layered(sheet, folds):
+    lines = list(layered(sheet, folds))
+    for layer, color in COLOR_OF_LAYER.items():
+        if layer in ("OUTLINE", "CUTS", "FOLDS") or any(layer == name for name, *_ in lines):
+            document.layers.add(layer, color=color)
+    for layer, points, closed in lines:
         space.add_lwpolyline(scaled(points, factor).tolist(), close=closed, dxfattribs={"layer": layer})
     target = require_path(path, "path", "to_dxf", GeometryError)
     with whole_file(target) as unfinished:

@@ -26,7 +26,8 @@ from kirigami.primitives.checks import require_array, require_path
 from kirigami.units import metres_per
 
 ROLES = {"B": "outline", "C": "cut", "M": "mountain fold", "V": "valley fold", "U": "fold"}  # F, J: no line to act on
-LETTERS = {"OUTLINE": "B", "CUTS": "C", "FOLDS": "U"}
+SIDES = {"M": -1.0, "V": 1.0}
+LETTERS = {"OUTLINE": "B", "CUTS": "C", "FOLDS": "U", "MOUNTAIN FOLDS": "M", "VALLEY FOLDS": "V"}
 UNITS = {"in", "pt", "m", "cm", "mm", "um", "nm"}  # those of the specification
 
 
@@ -94,8 +95,8 @@ def read_fold(
     if flat:
         notes.append(f"{counted(flat, 'flat or joined edge')} (F, J) left out")
     curves = [
-        Curve(scaled(found.points[edge], factor), ROLES[letter], "", f"edge {which}")
-        for which, edge, letter in zip(found.numbers, found.edges, found.letters)
+        Curve(scaled(found.points[edge], factor), ROLES[letter], "", f"edge {which}", fold=SIDES.get(letter, 0.0) * angle)
+        for which, edge, letter, angle in zip(found.numbers, found.edges, found.letters, found.angles)
         if letter in ROLES
     ]
     return assemble(

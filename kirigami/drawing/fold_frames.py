@@ -24,12 +24,16 @@ STRONGEST = "CBMVUFJ"  # of edges drawn on one another the first of these counts
 
 @dataclass(frozen=True, eq=False)
 class Pattern:
-    """Edges of the flat sheet: their ends, and a letter of the specification for each."""
+    """Edges of the flat sheet: their ends, a letter of the specification for each, and how far it is folded.
+
+    The angles are in radians without their sign, which the letter has; 1 for all where the file has none.
+    """
 
     points: Floats
     edges: Integers
     letters: list[str]
     numbers: list[int]
+    angles: list[float]
 
 
 def frame_of(data: dict[str, Any], wanted: int | None, path: Any) -> tuple[int, dict[str, Any]]:
@@ -99,7 +103,21 @@ def pattern_of(frame: dict[str, Any], path: Any) -> Pattern:
     letters = [letter if letter in STRONGEST else "U" for letter in letters]
     if faces:
         letters = _by_faces(edges, letters, faces)
-    return _merged(flat, edges, letters)
+    return _merged(flat, edges, letters, _angles(frame, len(edges), path))
+
+
+def _angles(frame: dict[str, Any], count: int, path: Any) -> list[float]:
+    """How far each edge is folded in the end; of a flat frame without angles each as far as the others."""
+    given = frame.get("edges_foldAngle") or []
+    if given and len(given) != count:
+        raise GeometryError(f"{path}: {count} edges, but {len(given)} values in edges_foldAngle")
+    try:
+        degrees = np.array([0.0 if value is None else abs(float(value)) for value in given])
+    except (TypeError, ValueError) as error:
+        raise GeometryError(f"{path}: edges_foldAngle holds no numbers ({error})") from None
+    if not np.isfinite(degrees).all():
+        raise GeometryError(f"{path}: edges_foldAngle has a value that is not finite")
+    return np.radians(degrees).tolist() if degrees.any() else [1.0] * count
 
 
 def _edges(frame: dict[str, Any], faces: list[Integers]) -> Integers:
@@ -183,7 +201,7 @@ def _by_faces(edges: Integers, letters: list[str], faces: list[Integers]) -> lis
     return result
 
 
-def _merged(points: Floats, edges: Integers, letters: list[str]) -> Pattern:
+def _merged(points: Floats, edges: Integers, letters: list[str], angles: list[float]) -> Pattern:
     """Vertices on one another become one, and edges on one another; two rims on one another are the lips of a cut."""
     size = float(np.ptp(points, axis=0).max()) if len(points) else 1.0
     cells = np.round(points / (SAME * size if size else 1.0))
@@ -199,4 +217,4 @@ def _merged(points: Floats, edges: Integers, letters: list[str]) -> Pattern:
         kept.append(numbers[0])
         result.append("C" if found[:2] == ["B", "B"] else found[0])
     pairs = np.array(list(on_pair), dtype=np.int64).reshape(-1, 2)
-    return Pattern(points, pairs, result, kept)
+    return Pattern(points, pairs, result, kept, [angles[number] for number in kept])

@@ -13,7 +13,7 @@ import shapely
 from shapely.geometry import mapping, shape
 
 from kirigami.drawing.curves import Curve, scale_of, scaled
-from kirigami.drawing.drawing import Drawing, assemble, folds_of
+from kirigami.drawing.drawing import FOLD_LAYERS, Drawing, assemble, folds_of
 from kirigami.drawing.roles import Names, Roles, color_name
 from kirigami.errors import GeometryError
 from kirigami.files import read_json, whole_file
@@ -147,7 +147,7 @@ def write_geojson(sheet: Any, path: str | os.PathLike[str], *, unit: str = "m", 
     extra = folds_of(sheet, folds)
     parts = [("outline", sheet.outline)]
     parts += [("cut", cut) for cut in sheet.cuts]
-    parts += [("fold", fold) for fold in extra]
+    parts += [(FOLD_LAYERS[np.sign(side)].lower().removesuffix("s"), fold) for fold, side in extra]
     features = [{"type": "Feature", "properties": {"role": role}, "geometry": mapping(part)} for role, part in parts]
     target = require_path(path, "path", "to_geojson", GeometryError)
     with whole_file(target) as unfinished:

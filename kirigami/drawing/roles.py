@@ -23,6 +23,7 @@ WORDS = (
     ("cut", ("cut", "cuts", "cutting", "slit", "slits", "slot", "slots", "hole", "holes", "laser", "schnitt", "kerf")),
     ("ignore", ("center", "centre", "centerline", "mittel", "mark", "marks", "marking", "registration")),
 )  # fmt: skip
+SIDES = ((1.0, ("valley", "vall", "tal", "talfalz")), (-1.0, ("mountain", "mount", "berg", "bergfalz")))
 # Words in the names of line types; folds are drawn in dashes, centre lines in long and short ones.
 LINE_TYPES = {"ignore": ("center", "centre", "mittel"), "fold": ("dash", "hidden", "phantom", "dot", "divide", "iso")}
 COLORS = {
@@ -153,11 +154,21 @@ def color_name(color: str) -> str:
 
 def role_of_name(name: str) -> str:
     """The role that the name of a layer tells, or ""."""
-    tokens = re.findall(r"[^\W\d_]+", re.sub(r"([a-z])([A-Z])", r"\1 \2", name).casefold())
+    tokens = _tokens(name)
     for role, words in WORDS:
         if any(token.startswith(word) or token.endswith(word) for token in tokens for word in words):
             return role
     return ""
+
+
+def side_of_name(name: str) -> float:
+    """1 where the name of a layer of folds says valley, -1 where it says mountain, else 0."""
+    tokens = _tokens(name)
+    return next((side for side, words in SIDES if any(token in words for token in tokens)), 0.0)
+
+
+def _tokens(name: str) -> list[str]:
+    return re.findall(r"[^\W\d_]+", re.sub(r"([a-z])([A-Z])", r"\1 \2", name).casefold())
 
 
 def role_of_line_type(name: str) -> str:

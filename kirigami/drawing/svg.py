@@ -27,7 +27,9 @@ from kirigami.units import metres_per
 
 LABEL = "{http://www.inkscape.org/namespaces/inkscape}label"
 HIDDEN = "neither painted nor visible"
-STROKES = {"OUTLINE": "#000000", "CUTS": "#ff0000", "FOLDS": "#0000ff"}
+STROKES = {
+    "OUTLINE": "#000000", "CUTS": "#ff0000", "FOLDS": "#0000ff", "VALLEY FOLDS": "#0000ff", "MOUNTAIN FOLDS": "#008000",
+}  # fmt: skip
 
 
 def read_svg(
@@ -302,10 +304,10 @@ def write_svg(
     factor = float(round(ratio)) if abs(ratio - round(ratio)) < 1e-12 * ratio else ratio
     left, bottom, right, top = (value * factor for value in shapely.bounds(sheet.outline).tolist())
     width, height = right - left, top - bottom
-    groups: dict[str, list[str]] = {layer: [] for layer in STROKES}
+    groups: dict[str, list[str]] = {layer: [] for layer in ("OUTLINE", "CUTS", "FOLDS")}
     for layer, points, closed in layered(sheet, folds):
         data = " L ".join(f"{x!r},{-y!r}" for x, y in (points * factor + 0.0).tolist())
-        groups[layer].append(f'    <path d="M {data}{" Z" if closed else ""}"/>')
+        groups.setdefault(layer, []).append(f'    <path d="M {data}{" Z" if closed else ""}"/>')
     thin = 1e-3 * max(width, height)
     lines = [
         '<?xml version="1.0" encoding="UTF-8"?>',
@@ -314,7 +316,7 @@ def write_svg(
         f'     viewBox="{left!r} {-top!r} {width!r} {height!r}">',
     ]
     for layer, paths in groups.items():
-        dash = f' stroke-dasharray="{5 * thin:.3g}"' if layer == "FOLDS" else ""
+        dash = f' stroke-dasharray="{5 * thin:.3g}"' if "FOLDS" in layer else ""
         stroke = f'fill="none" stroke="{STROKES[layer]}" stroke-width="{thin:.3g}"{dash}'
         lines.append(f'  <g id="{layer}" inkscape:groupmode="layer" inkscape:label="{layer}" {stroke}>')
         lines += [*paths, "  </g>"]

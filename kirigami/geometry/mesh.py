@@ -377,7 +377,13 @@ class TriMesh:
         return copied
 
     def with_folds(self, folds: Sequence[FoldEdges]) -> TriMesh:
-        """Copy with these folds, in the place of those that it has."""
+        """Copy with these folds, in the place of those that it has.
+
+        Parameters
+        ----------
+        folds : sequence of FoldEdges
+            Edges along which the sheet is creased; see :class:`kirigami.Fold` for what they do.
+        """
         copied = TriMesh(
             self.nodes, self.triangles, self.sets,
             thickness=self.thickness, material=self.material, cuts=self._given_cuts, folds=folds,

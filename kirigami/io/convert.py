@@ -120,10 +120,8 @@ def mesh_drawing(
     0.02
     """
     drawing = read_drawing(path, **{**reading, "unit": "m"})
-    sheet = drawing.sheet()
     edge = None if max_edge is None else units.parse(max_edge, "length")
-    folds = {"folds": list(drawing.folds)} if drawing.folds else {}
-    mesh = sheet.mesh(edge, lines=folds)
+    mesh = drawing.sheet().mesh(edge)
     if output is not None:
         write_mesh(mesh, output)
     return mesh

@@ -98,18 +98,13 @@ class Grips:
             for k, along in enumerate(ends)
         }
 
-    def nodes(self, model: Model) -> tuple[list[Node], list[Node]]:
-        """The held and the moved nodes of a model made from a mesh."""
+    def hold(self, model: Model, pull: float) -> tuple[list[Node], list[Node]]:
+        """Clamp both ends of a model made from a mesh and drive one by `pull`; returns the held and the moved nodes."""
         assert model.mesh is not None
         along = model.mesh.nodes[:, :2] @ self.direction
         slack = 1e-9 * model.mesh.size
         held = model.select(index=np.flatnonzero(along <= along.min() + self.strip + slack))
         moved = model.select(index=np.flatnonzero(along >= along.max() - self.strip - slack))
-        return held, moved
-
-    def hold(self, model: Model, pull: float) -> tuple[list[Node], list[Node]]:
-        """Clamp both ends of a model made from a mesh and drive one by `pull`; returns the held and the moved nodes."""
-        held, moved = self.nodes(model)
         x, y = (pull * share if share else None for share in self.direction.tolist())
         still = ("x" if x is None else "") + ("y" if y is None else "") + "z"
         model.add(Fix(held, clamp=True), Fix(moved, still, clamp=True), Prescribe(moved, x=x, y=y))

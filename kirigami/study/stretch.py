@@ -27,7 +27,6 @@ from kirigami.primitives.kernel import Array
 from kirigami.primitives.material import Material
 from kirigami.primitives.node import Node
 from kirigami.results.results import Results
-from kirigami.study.folding import fold
 from kirigami.study.grips import Grips, find_grips
 
 
@@ -71,9 +70,6 @@ def stretch(
 
     The grips clamp the two ends of the sheet along the direction: its edges there where they are straight, else strips
     of 4 % of its length. They keep their shape, and one of them moves by strain times the free length between them.
-
-    Folds of the sheet are elastic hinges. Where their rest angles are not zero, the sheet first folds, while the grip
-    that will be moved slides and bears no force; the pull counts from there, over the free length of the flat sheet.
 
     Parameters
     ----------
@@ -151,18 +147,11 @@ def stretch(
     say(f"{'strips' if grips.strip else 'edges'} held at the {' and '.join(grips.names)}")
     mesh = default_mesh(sheet, grips, level.nodes if nodes is None else nodes, max_edge)
     say(f"{len(mesh.nodes)} nodes, {len(mesh.triangles)} facets" if mesh.sizing is None else f"mesh: {mesh.sizing}")
-    rung, pull = level.stiffness if stiffness is None else stiffness, strain * grips.free_length
-    start = None
-    if any(fold.angle for fold in mesh.folds):
-        model = Model.from_mesh(mesh, stiffness=rung)
-        held, moved, start, shift = fold(model, grips, pull, amplitude, seed, level.tol)
-        say(_folded(grips, shift))
-    else:
-        model, held, moved = held_model(mesh, grips, strain, rung)
-        model.imperfect(amplitude, seed=seed)
+    model, held, moved = held_model(mesh, grips, strain, level.stiffness if stiffness is None else stiffness)
+    model.imperfect(amplitude, seed=seed)
     grip_nodes = {"held": model.index(held), "moved": model.index(moved)}
     targets = [*STORED, *STORED[-2::-1]] if cycle else list(STORED)
-    analysis = DisplacementControl(model, targets=targets, to=0.0 if cycle else 1.0, tol=level.tol, start=start)
+    analysis = DisplacementControl(model, targets=targets, to=0.0 if cycle else 1.0, tol=level.tol)
     try:
         results = analysis.run(progress=progress)
     except ConvergenceError as error:
@@ -217,7 +206,7 @@ def _checked(
         missing = "thickness" if thickness is None else "material"
         raise ModelError(f"stretch: the sheet has no {missing}: give one to the Sheet or to stretch")
     thickness = require_positive(thickness, "thickness", "stretch")
-    return Sheet(sheet.outline, sheet.cuts, thickness, material, sheet.folds), strain
+    return Sheet(sheet.outline, sheet.cuts, thickness, material), strain
 
 
 def default_mesh(sheet: Sheet, grips: Grips, nodes: int | None, max_edge: float | None) -> TriMesh:
@@ -225,12 +214,6 @@ def default_mesh(sheet: Sheet, grips: Grips, nodes: int | None, max_edge: float 
     if max_edge is not None or nodes is None:
         return sheet.mesh(max_edge, lines=grips.lines())
     return sheet.mesh(nodes=round(require_positive(nodes, "nodes", "stretch")), lines=grips.lines())
-
-
-def _folded(grips: Grips, shift: Array) -> str:
-    """What the folding has done to the distance of the grips."""
-    now = grips.free_length + float(shift[:2] @ grips.direction)
-    return f"folded: the grips are {100 * now / grips.free_length:.4g} % of the free length of the flat sheet apart"
 
 
 def _short_of(error: ConvergenceError, strain: float, cycle: bool) -> ConvergenceError:

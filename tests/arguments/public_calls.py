@@ -208,6 +208,8 @@ CALLS: dict[str, Callable[[], Call]] = {
     "System.energies": lambda: (system().energies, {"u": u(), "lam": 0.0}),
     "check_kernel": lambda: (kg.check_kernel, {"kernel": kernel(), "x": [[-1, 0.1], [0, 0.5], [1, 0]]}),
     "Sheet": lambda: (kg.Sheet, {"outline": [(0, 0), (1, 0), (1, 1)], "thickness": 0.1, "material": STEEL}),
+    "Fold": lambda: (kg.Fold, {"line": [(0, 0), (1, 1)], "angle": 0.5, "stiffness": 0.1}),
+    "FoldEdges": lambda: (kg.FoldEdges, {"edges": [(0, 1)], "angle": 0.5, "stiffness": 0.1}),
     "Sheet.mesh": lambda: (kg.Sheet(shapely.box(0, 0, 1, 1)).mesh, {"max_edge": 0.5}),
     "Sheet.plot": lambda: (sheet().plot, {}),
     **{
@@ -229,6 +231,7 @@ CALLS: dict[str, Callable[[], Call]] = {
     "TriMesh.nodal_mean": lambda: (mesh().nodal_mean, {"values": np.ones(len(mesh().triangles))}),
     "TriMesh.scaled": lambda: (mesh().scaled, {"factor": 2.0}),
     "TriMesh.with_cuts": lambda: (mesh().with_cuts, {"cuts": mesh().cuts}),
+    "TriMesh.with_folds": lambda: (mesh().with_folds, {"folds": [kg.FoldEdges([(0, 5)])]}),
     "TriMesh.with_sets": lambda: (mesh().with_sets, {"mine": [0, 1]}),
     "LinearStatic": lambda: (kg.LinearStatic, {"model": truss()}),
     "LinearStatic.run": lambda: (kg.LinearStatic(truss()).run, {}),
