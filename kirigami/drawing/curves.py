@@ -21,7 +21,7 @@ Floats = NDArray[np.float64]
 class Curve:
     """One drawn curve as points (k, 2), with where it comes from; closed where the last point is the first.
 
-    `fold` tells the side of a fold, positive a valley and negative a mountain, and how far it is folded if that is known.
+    `fold` tells the side of a fold, positive a valley and negative a mountain, and how far it is folded where known.
     `bow` (k - 1,) is how far the true curve may lie from each chord: zero where it was drawn straight. `numbers` are
     those of the drawn curves that it was joined from.
     """

@@ -20,7 +20,14 @@ from kirigami.drawing.rim import Rim, crossing_text, find_rim, left_out_text
 from kirigami.drawing.roles import Roles, Row, listing, side_of_name, table_lines, table_of
 from kirigami.drawing.trimming import Trimmed, trimmed, without_effect, without_scrap
 from kirigami.errors import GeometryError, KirigamiWarning, ModelError
-from kirigami.primitives.checks import require_finite, require_items, require_whole, shown
+from kirigami.primitives.checks import (
+    require_between,
+    require_finite,
+    require_items,
+    require_not_negative,
+    require_whole,
+    shown,
+)
 from kirigami.units import metres_per, parse
 
 if TYPE_CHECKING:
@@ -96,7 +103,9 @@ class Drawing:
         from kirigami.geometry.fold_line import Fold
         from kirigami.geometry.sheet import Sheet
 
-        fold_angle = require_finite(fold_angle, "fold_angle", "Drawing.sheet", GeometryError)
+        fold_angle = require_between(fold_angle, -np.pi, np.pi, "fold_angle", "Drawing.sheet", GeometryError)
+        if fold_stiffness is not None:
+            require_not_negative(fold_stiffness, "fold_stiffness", "Drawing.sheet", GeometryError)
         shares = self.fold_shares if any(self.fold_shares) else (1.0,) * len(self.folds)
         folds = [Fold(line, fold_angle * share, fold_stiffness) for line, share in zip(self.folds, shares)]
         return Sheet(self.outline, self.cuts, thickness, material, folds)

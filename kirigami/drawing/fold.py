@@ -95,7 +95,9 @@ def read_fold(
     if flat:
         notes.append(f"{counted(flat, 'flat or joined edge')} (F, J) left out")
     curves = [
-        Curve(scaled(found.points[edge], factor), ROLES[letter], "", f"edge {which}", fold=SIDES.get(letter, 0.0) * angle)
+        Curve(
+            scaled(found.points[edge], factor), ROLES[letter], "", f"edge {which}", fold=SIDES.get(letter, 0.0) * angle
+        )
         for which, edge, letter, angle in zip(found.numbers, found.edges, found.letters, found.angles)
         if letter in ROLES
     ]

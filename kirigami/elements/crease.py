@@ -23,7 +23,6 @@ from kirigami.primitives.node import Node, listed
 from kirigami.primitives.parts import ModelObject, Numbering
 from kirigami.primitives.rows import EdgeRows
 
-
 SCORE = 100.0  # thicknesses: width of the strip of sheet that is as stiff as a fold of which nothing is known
 
 

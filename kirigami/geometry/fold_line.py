@@ -7,7 +7,6 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-import shapely
 from numpy.typing import ArrayLike, NDArray
 
 from kirigami.errors import GeometryError
@@ -38,7 +37,7 @@ class Fold:
 
     Examples
     --------
-    >>> import kirigami as kg
+    >>> import shapely, kirigami as kg
     >>> kg.Sheet(shapely.box(0, 0, 2, 1), folds=kg.Fold([(1, 0), (1, 1)], angle=0.5))
     Sheet(2 x 1, area 2, 0 slits, 0 openings, 1 fold)
     """
@@ -92,6 +91,8 @@ class FoldEdges:
 
 
 def _checked_line(line: Any) -> Any:
+    import shapely  # here, so that meshes made elsewhere need numpy only
+
     if isinstance(line, shapely.Polygon):
         line = line.exterior
     if not isinstance(line, shapely.LineString):

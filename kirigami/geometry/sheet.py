@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import warnings
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -17,9 +17,9 @@ from kirigami.geometry.clean import LineWork, clean
 from kirigami.geometry.fold_line import Fold, FoldEdges
 from kirigami.geometry.given import checked_line_or_polygon, checked_outline, flattened, folds_of, named_lines
 from kirigami.geometry.mesh import TriMesh
-from kirigami.geometry.topology import pair_keys
 from kirigami.geometry.refine import LONGEST, signed_areas, triangulate_drawing
 from kirigami.geometry.sizing import NODES, Sizing, mesh_within, warn_of_coarse
+from kirigami.geometry.topology import pair_keys
 from kirigami.geometry.triangulate import Triangulation
 from kirigami.geometry.unzip import find_cuts, unzip
 from kirigami.primitives.checks import (

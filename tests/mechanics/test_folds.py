@@ -116,7 +116,7 @@ def miura_sheet(theta: float) -> kg.Sheet:
 @pytest.mark.filterwarnings("ignore::kirigami.KirigamiWarning")
 @pytest.mark.parametrize("stiffness", ["plate", "facet", "shell"])
 def test_miura_unit_has_one_way_to_move(stiffness: str) -> None:
-    """Folded by its rest angles it has the closed form's sizes, then one soft motion, which keeps L V = a b cos gamma."""
+    """Folded by its rest angles it has the sizes of the closed form, and then one soft motion, which keeps to it."""
     sheet = miura_sheet(0.7)
     assert len(sheet.folds) == 4
     mesh = sheet.mesh(1.5)
