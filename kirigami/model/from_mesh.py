@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import copy
 import warnings
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -20,6 +22,9 @@ from kirigami.primitives.material import Material
 from kirigami.primitives.node import Node
 from kirigami.primitives.parts import ModelObject
 
+if TYPE_CHECKING:
+    from kirigami.model.model import Model
+
 FEW = 50  # facets below which a mesh is too small to have a pattern
 BIAS = 0.2  # unevenness of stiffness over the directions, before relaxation, that is worth a warning
 FOLD_BIAS = 0.3  # the same of bending and twisting, which meshes without a pattern make uneven by a quarter at worst
@@ -33,8 +38,9 @@ def sheet_parts(
     material: Material | None,
     stiffness: str | Calibration,
     dim: int,
+    nodes: list[Node] | None = None,
 ) -> tuple[list[Node], list[ModelObject], SheetConstants]:
-    """The nodes and elements of a mesh, and the constants that the elements were made with."""
+    """The nodes and elements of a mesh, and the constants that the elements were made with; on given nodes if any."""
     require_instance(mesh, TriMesh, "mesh", "Model.from_mesh", "make one with Sheet.mesh or TriMesh")
     thickness = mesh.thickness if thickness is None else thickness
     material = mesh.material if material is None else material
@@ -46,7 +52,7 @@ def sheet_parts(
     if not np.isfinite(np.float64(material.E) * np.float64(thickness) ** 3):
         raise ModelError(f"Model.from_mesh: the bending stiffness of thickness {thickness:g} overflows")
     calibration = Calibration.named(stiffness, material)
-    nodes = [Node(*position) for position in mesh.nodes.tolist()]
+    nodes = [Node(*position) for position in mesh.nodes.tolist()] if nodes is None else nodes
     rung = ALIASES.get(stiffness, stiffness) if isinstance(stiffness, str) else "calibration"
     constants = SheetConstants(calibration, thickness, material, rung)
     _warn_of_bias(mesh, rung, material.nu, dim) if rung not in SMOOTH else None
@@ -74,6 +80,32 @@ def sheet_parts(
             for (j, k), (i, other), value in zip(edges, wings, rigidity)
         ]
     return nodes, [*elements, *hinges], constants
+
+
+def on_rung(model: Model, stiffness: str) -> Model:
+    """A copy of a sheet model on another rung of accuracy: the same mesh, imperfection, supports, loads and effects.
+
+    Raises
+    ------
+    ModelError
+        The model was not made from a mesh, or not all of its sheet is still in it.
+    """
+    constants = model.sheet_constants
+    if model.mesh is None or constants is None:
+        raise ModelError("only a model made by Model.from_mesh has a stiffness that can be changed")
+    twin = copy.deepcopy(model)
+    here = {id(item) for item in twin.elements}
+    if not all(id(item) in here for item in twin.sheet_elements):
+        raise ModelError("elements of the sheet were removed, so its stiffness cannot be changed as a whole")
+    twin.remove(*twin.sheet_elements)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", KirigamiWarning)
+        nodes = list(twin.nodes[: len(model.mesh.nodes)])
+        made = sheet_parts(model.mesh, constants.thickness, constants.material, stiffness, model.dim, nodes)
+    _, elements, twin._sheet_constants = made
+    twin.add(*elements)
+    twin._sheet = tuple(elements)
+    return twin
 
 
 def _warn_of_bias(mesh: TriMesh, rung: str, nu: float, dim: int) -> None:

@@ -1,95 +1,144 @@
-"""Which deformed shapes are the same, up to reflections of the structure and the side they buckle to."""
+"""Which shapes there are: a search for the stable shapes of a structure at a given pull."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import os
+import warnings
+from collections.abc import Sequence
+from concurrent.futures import Executor
 
-import numpy as np
-from numpy.typing import NDArray
-
+from kirigami.errors import KirigamiWarning, ModelError
 from kirigami.model.model import Model
-from kirigami.primitives.groups import first_of_group
-from kirigami.primitives.kernel import Array
+from kirigami.primitives.checks import (
+    require_axes,
+    require_boolean,
+    require_finite,
+    require_instance,
+    require_items,
+    require_path,
+    require_positive,
+    require_whole,
+    shown,
+)
+from kirigami.progress import progress_bar
+from kirigami.results.step import Step
+from kirigami.study.shape_search import ShapeSearch
+from kirigami.study.shape_study import ShapeStudy
 
-FLAT = 1e-6  # height over size below which a sheet counts as flat
 
+def shapes(
+    model: Model,
+    at: float = 1.0,
+    seed: int = 0,
+    *,
+    trials: int = 80,
+    budget: float = 300.0,
+    starts: Sequence[Step] = (),
+    most: int = 8,
+    followed: int = 4,
+    confirm: bool = True,
+    mirrors: str = "xy",
+    alike: float = 0.1,
+    path: str | os.PathLike[str] | None = None,
+    executor: Executor | None = None,
+    workers: int | None = None,
+    progress: bool = False,
+) -> ShapeStudy:
+    """Search for the stable shapes that a structure can take at a given pull.
 
-class ShapeSpace:
-    """Compares displacement fields of one structure.
+    A thin cut sheet has many, and where a pull leads depends on its history: the search tells what else there is. It
+    starts from random fields and modes a little beyond the first buckles, and goes on from the lowest shapes found by
+    the moves such a sheet makes: a lip pops through, a row tilts the other way, one part takes the shape it has in
+    another equilibrium or in its mirror image, all is shaken. Each start runs downhill. A sheet is searched on the
+    rung "plate", whichever the model is on; the lowest shapes are then carried over to the model, relaxed there, and
+    tested to be stable. It is a search, no proof: lower shapes may exist.
 
-    A field of a flat sheet is its out-of-plane displacement, up to sign; of any other structure, all displacements.
-    Reflections across the planes through the middle of the structure are tried as well. Meshes need not be symmetric:
-    on a sheet the reflected field is interpolated from the facet whose centre is nearest; elsewhere it is taken from
-    the nearest node.
+    Parameters
+    ----------
+    model : Model
+        With its supports and what drives it, imperfect or not; it is not changed.
+    at : float
+        Load factor.
+    seed : int
+        Another number is another search. The same one finds the same shapes, unless the budget ends it.
+    trials : int
+        How many starts.
+    budget : float
+        CPU seconds after which nothing new is begun; half of them at most go into the search.
+    starts : sequence of Step
+        Shapes known already, at this load factor, as the end of a pull: they are listed, and the search goes on from
+        them too.
+    most : int
+        How many shapes, the lowest ones, are carried over to the rung of the model and to the trusted one.
+    followed : int
+        How many of them are followed down to no pull and up by a quarter, to see which snaps join them.
+    confirm : bool
+        Whether shapes of a sheet on a lesser rung are also relaxed on "shell", on the same mesh.
+    mirrors : str
+        Axes along which shapes may be reflected and still count as one; then arrangements of equal cells count as one
+        too. "" counts everything by itself.
+    alike : float
+        Relative distance of two shapes (root mean square over the area) below which they may be one.
+    path : path, optional
+        A file that keeps every trial as it is done: the same call goes on where it was stopped.
+    executor : concurrent.futures.Executor, optional
+        Runs the trials of a round of eight.
+    workers : int, optional
+        Number of processes that do, without `executor`; by default everything runs in this one. Worth it from about a
+        second a trial. A script must then stand under ``if __name__ == "__main__":``.
+    progress : bool
+        Show how far it is.
+
+    Returns
+    -------
+    ShapeStudy
+        The shapes, lowest energy first; after Ctrl-C those found until then.
+
+    Raises
+    ------
+    ModelError
+        A sheet in its plane, nothing that drives the model, or arguments that cannot be used.
+    AnalysisError
+        The file at `path` belongs to another search, or no start led to a stable shape.
+
+    Examples
+    --------
+    A shallow truss that can stand up or hang down, with a small load on its apex:
+
+    >>> import kirigami as kg
+    >>> m = kg.Model(dim=2)
+    >>> left, apex, right = m.add(kg.Node(-1, 0), kg.Node(0, 0.5), kg.Node(1, 0))
+    >>> bars = m.add(kg.Bar(left, apex, EA=1.0), kg.Bar(apex, right, EA=1.0))
+    >>> objects = m.add(kg.Fix([left, right]), kg.NodalLoad(apex, (0, -0.001)))
+    >>> found = kg.study.shapes(m, at=1.0, trials=8)
+    >>> [shape.step.stable for shape in found], found[0].energy < found[1].energy
+    ([True, True], True)
     """
-
-    def __init__(self, model: Model, mirrors: str = "xy") -> None:
-        from scipy.spatial import cKDTree
-
-        rest, mesh, dim = model.positions(), model.mesh, model.dim
-        self._triangles = None if mesh is None else mesh.triangles
-        low, high = rest.min(axis=0), rest.max(axis=0)
-        size = float(np.linalg.norm(high - low))
-        self.flat = dim == 3 and mesh is not None and bool(high[2] - low[2] <= FLAT * size)
-        places = rest if self._triangles is None else rest[self._triangles].mean(axis=1)
-        self.weight = np.ones(len(places)) if mesh is None else mesh.facet_areas / mesh.facet_areas.sum()
-        self._tree = cKDTree(places[:, :2] if self.flat else places)
-        self._maps: list[Callable[[Array], Array]] = []
-        axes = ["xyz".index(axis) for axis in mirrors if "xyz".index(axis) < (2 if self.flat else dim)]
-        for chosen in range(2 ** len(axes)):
-            flipped = [axis for bit, axis in enumerate(axes) if chosen >> bit & 1]
-            self._maps.append(self._reflection(rest, places, flipped, 0.5 * (low + high)))
-
-    def _reflection(self, rest: Array, places: Array, axes: list[int], middle: Array) -> Callable[[Array], Array]:
-        """A function from nodal fields (n, k) to values at the places (p, k) of the reflected field."""
-        image = places.copy()
-        image[:, axes] = 2 * middle[axes] - image[:, axes]
-        nearest = self._tree.query(image[:, :2] if self.flat else image)[1]
-        sign = np.ones(3)
-        sign[axes] = -1.0
-        if self._triangles is None:
-            return lambda field: field[nearest] * sign[: field.shape[1]]
-        corners = self._triangles[nearest]
-        shares = _barycentric(rest[corners][:, :, :2], image[:, :2])
-        factor = np.ones(1) if self.flat else sign
-
-        def reflected(field: Array) -> Array:
-            values: Array = np.einsum("pc,pck->pk", shares, field[corners]) * factor
-            return values
-
-        return reflected
-
-    def field(self, u: Array) -> Array:
-        """The nodal field (n, k) of displacements `u` (n, 3) that is compared."""
-        return u[:, 2:] if self.flat else u
-
-    def distance(self, one: Array, other: Array) -> float:
-        """Relative distance of two displacement fields (n, 3), the least over all reflections and signs."""
-        a, b = self.field(one), self.field(other)
-        mine = self._maps[0](a)
-        size = max(self._norm(mine), self._norm(self._maps[0](b)))
-        if size == 0:
-            return 0.0
-        signs = (1.0, -1.0) if self.flat else (1.0,)
-        return min(self._norm(mine - sign * reflect(b)) for reflect in self._maps for sign in signs) / size
-
-    def _norm(self, values: Array) -> float:
-        return float(np.sqrt((self.weight[:, None] * values**2).sum()))
-
-    def clusters(self, fields: list[Array], alike: float) -> NDArray[np.int64]:
-        """Number of the cluster of each field: a chain of neighbours nearer than `alike` is one cluster."""
-        near = [
-            (i, j) for i in range(len(fields)) for j in range(i) if self.distance(fields[i], fields[j]) < alike
-        ]
-        first = first_of_group(len(fields), np.array(near, dtype=np.int64).reshape(-1, 2))
-        return np.unique(first, return_inverse=True)[1].astype(np.int64)
-
-
-def _barycentric(corners: Array, points: Array) -> Array:
-    """Shares (p, 3) of the corners (p, 3, 2) in points (p, 2); outside a triangle they go on linearly."""
-    first, second = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
-    off = points - corners[:, 0]
-    area = first[:, 0] * second[:, 1] - first[:, 1] * second[:, 0]
-    a = (off[:, 0] * second[:, 1] - off[:, 1] * second[:, 0]) / area
-    b = (first[:, 0] * off[:, 1] - first[:, 1] * off[:, 0]) / area
-    return np.column_stack([1 - a - b, a, b])
+    owner = "shapes"
+    require_instance(model, Model, "model", owner)
+    at = require_finite(at, "at", owner)
+    seed = require_whole(seed, "seed", owner, least=0)
+    trials = require_whole(trials, "trials", owner, least=1)
+    budget = require_positive(budget, "budget", owner)
+    most, followed = require_whole(most, "most", owner, least=1), require_whole(followed, "followed", owner, least=0)
+    confirm = require_boolean(confirm, "confirm", owner)
+    if not isinstance(mirrors, str) or mirrors:
+        require_axes(mirrors, owner, "mirrors")
+    alike = require_positive(alike, "alike", owner)
+    if executor is not None and not hasattr(executor, "submit"):
+        raise ModelError(f"shapes: executor must be a concurrent.futures.Executor, got {shown(executor)}")
+    workers = None if workers is None else require_whole(workers, "workers", owner, least=1)
+    known = [require_instance(step, Step, "starts", owner) for step in require_items(starts, "starts", owner)]
+    file = None if path is None else require_path(path, "path", owner)
+    search = ShapeSearch(model, at, seed, budget, known, mirrors, alike, confirm)
+    with progress_bar(require_boolean(progress, "progress", owner), "shapes") as search.bar:
+        search.bar.start(0.0)
+        try:
+            search.look(trials, file, executor, workers)
+            search.follow(followed)
+            search.carry(most)
+            search.trust(most)
+        except KeyboardInterrupt:
+            search.notes.append("interrupted: what was found until then")
+            warnings.warn("the search for shapes was interrupted", KirigamiWarning, stacklevel=2)
+    return search.study()

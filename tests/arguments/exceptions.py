@@ -14,8 +14,9 @@ STEPS = "a piece of a running analysis, called by it alone"
 NOT_CALLED: dict[str, str] = {
     **dict.fromkeys(
         """Mode Results Step Event Rigidity Framework bloch.GuestMode tilings.Gap tilings.Neck stiffness.SheetConstants
-        study.AccuracyStudy study.Bracket study.Case study.ErrorEstimate study.ImperfectionStudy study.MeshChoice
-        study.MeshRun study.Report study.Report.text study.write_report""".split(),
+        study.AccuracyStudy study.Bracket study.Branch study.Case study.ErrorEstimate study.ImperfectionStudy study.Link
+        study.MeshChoice study.MeshRun study.Report study.Report.text study.Shape study.ShapeStudy
+        study.write_report""".split(),
         ANSWER,
     ),
     **dict.fromkeys(

@@ -110,6 +110,11 @@ def imperfection_study() -> Any:
 
 
 @cache
+def shape_study() -> Any:
+    return kg.study.shapes(truss(), trials=8)
+
+
+@cache
 def periodic() -> tuple[kg.Model, kg.PeriodicCell]:
     squares = kg.tilings.rotating_squares(angle=0.6)
     m = squares.model(EA=1e4, stiffness=1.0)
@@ -344,6 +349,11 @@ CALLS: dict[str, Callable[[], Call]] = {
     "study.ImperfectionStudy.final": lambda: (imperfection_study()[1].final, {"branch": 1}),
     "study.ImperfectionStudy.plot": lambda: (imperfection_study()[1].plot, {}),
     "study.ImperfectionStudy.table": lambda: (imperfection_study()[1].table, {}),
+    "study.ShapeStudy.cpu_seconds_to": lambda: (shape_study().cpu_seconds_to, {"shape": shape_study()[0]}),
+    "study.ShapeStudy.plot": lambda: (shape_study().plot, {}),
+    "study.ShapeStudy.table": lambda: (shape_study().table, {}),
+    "study.ShapeStudy.which": lambda: (shape_study().which, {"step": shape_study()[0].step}),
+    "study.ShapeStudy.words": lambda: (shape_study().words, {"step": shape_study()[0].step}),
     "study.accuracy": lambda: (
         kg.study.accuracy,
         {"case": pulled, "sizes": [0.7], "path": folder() / "accuracy", "stiffness": ["plate"]},
@@ -362,6 +372,7 @@ CALLS: dict[str, Callable[[], Call]] = {
         kg.study.imperfections,
         {"model": imperfection_study()[0], "modes": [[[0, 0], [1, 0], [0, 0]]], "amplitudes": [1e-2]},
     ),
+    "study.shapes": lambda: (kg.study.shapes, {"model": truss(), "trials": 2, "followed": 0}),
     "study.seeds": lambda: (kg.study.seeds, {"model": plate(), "n": 1}),
     "plot.animate": lambda: (
         kg.plot.animate,
