@@ -15,6 +15,8 @@ _install_old_modules()
 
 _HOME = {
     "Material": "primitives.material",
+    "Orthotropic": "primitives.material",
+    "Laminate": "primitives.material",
     "Node": "primitives.node",
     "Model": "model.model",
     "Bar": "elements.bar",
@@ -138,7 +140,9 @@ if TYPE_CHECKING:
     from kirigami.primitives.kernel import Kernel as Kernel
     from kirigami.primitives.kernel import Tangent as Tangent
     from kirigami.primitives.kernel import displacement_of as displacement_of
+    from kirigami.primitives.material import Laminate as Laminate
     from kirigami.primitives.material import Material as Material
+    from kirigami.primitives.material import Orthotropic as Orthotropic
     from kirigami.primitives.node import Node as Node
     from kirigami.primitives.parts import ModelObject as ModelObject
     from kirigami.primitives.parts import Numbering as Numbering

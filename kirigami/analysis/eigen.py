@@ -98,9 +98,10 @@ class Eigen(Analysis):
             if self.mass == "unit":
                 return np.ones(n)
             constants, mesh = self.model.sheet_constants, self.model.mesh
-            if constants is None or mesh is None or constants.material.density is None:
+            per_area = None if constants is None or mesh is None else constants.mass_per_area(len(mesh.triangles))
+            if mesh is None or per_area is None:
                 raise ModelError("Eigen: mass='lumped' needs a model from a mesh whose material has a density")
-            facet = constants.material.density * constants.thickness * mesh.facet_areas / 3
+            facet = per_area * mesh.facet_areas / 3
             return np.asarray(np.bincount(mesh.triangles.ravel(), np.repeat(facet, 3), n), dtype=float)
         given = self.mass
         if given.shape != (n,) or not np.isfinite(given).all() or np.any(given <= 0):

@@ -18,7 +18,6 @@ from numpy.typing import NDArray
 from kirigami.errors import ModelError
 from kirigami.primitives.checks import require_finite
 from kirigami.primitives.kernel import Array, Contribution, Kernel
-from kirigami.primitives.material import Material
 from kirigami.primitives.node import Node, listed
 from kirigami.primitives.parts import ModelObject, Numbering
 from kirigami.primitives.rows import EdgeRows
@@ -26,13 +25,14 @@ from kirigami.primitives.rows import EdgeRows
 SCORE = 100.0  # thicknesses: width of the strip of sheet that is as stiff as a fold of which nothing is known
 
 
-def score_stiffness(thickness: float, material: Material) -> float:
+def score_stiffness(thickness: Array, sections: Array) -> Array:
     """Moment per angle and length [force / rad] of a fold of which nothing is known: that of a light score.
 
-    D / (100 t), with D = E t^3 / (12 (1 - nu^2)): the fold turns as much as a strip of the sheet a hundred thicknesses
+    D / (100 t), with D = E t^3 / (12 (1 - nu^2)), or that of the stiffer direction, for sheets of a thickness (n,) and
+    section matrices (n, 6, 6): the fold turns as much as a strip of the sheet a hundred thicknesses
     wide. Folds range from ten times this, in a sheet hardly scored, down to free hinges, where it is perforated.
     """
-    return material.E * thickness**2 / (12 * (1 - material.nu**2) * SCORE)
+    return np.asarray(np.maximum(sections[:, 3, 3], sections[:, 4, 4]) / (SCORE * thickness))
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False, init=False)

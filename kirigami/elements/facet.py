@@ -7,6 +7,7 @@
   the curvature of the facet, (kxx, kyy, 2 kxy) = sum over edges of L / (A + A') theta (n_x^2, n_y^2, 2 n_x n_y) with
   n across the edge; energy (A / 2) kappa' D_b kappa. Cylinders along mesh lines are exact, spheres and saddles cost
   what they should, which single hinges get wrong by their Poisson ratio of -1/3.
+* Where thickness or material change at an edge, both facets bend by the same moment: A' counts by D / D' of the two.
 * A free or cut edge has no fold angle. It carries no moment either, so its angle is eliminated by that condition.
 
 On irregular meshes the mean curvature is right within some percent, not in the limit: see ``CurvedFacet`` for that.
@@ -34,6 +35,7 @@ from kirigami.elements.triangle import (
     without_compression,
 )
 from kirigami.errors import ModelError
+from kirigami.geometry.topology import paired_half_edges
 from kirigami.primitives.checks import require_instance, require_items, require_positive
 from kirigami.primitives.kernel import EXACT, Array, Contribution, Kernel, Tangent, displacement_of, full_hessian
 from kirigami.primitives.material import Material
@@ -108,6 +110,8 @@ class Facet(ModelObject):
         groups: dict[int, list[int]] = {}
         for position, facet in enumerate(objects):
             groups.setdefault(len(facet.nodes), []).append(position)
+        constants = np.array([(facet.thickness, facet.material.E, facet.material.nu) for facet in objects]).T
+        beyond = softness_beyond(corners, rigidity_of(*constants))
         kernels: list[Kernel] = []
         for _, positions in sorted(groups.items()):
             chosen = [objects[position] for position in positions]
@@ -116,8 +120,29 @@ class Facet(ModelObject):
             E = np.array([facet.material.E for facet in chosen])
             nu = np.array([facet.material.nu for facet in chosen])
             conn = numbering.connectivity(chosen)
-            kernels.append(FacetKernel(numbering.rest, conn, bends, thickness, E, nu, np.array(positions)))
+            share = None if beyond is None else beyond[positions]
+            kernels.append(FacetKernel(numbering.rest, conn, bends, thickness, E, nu, np.array(positions), share))
         return kernels
+
+
+def softness_beyond(corners: NDArray[np.int64], rigidity: Array) -> Array | None:
+    """How much softer (n, 3) than a facet its neighbour across each edge is, None where all are alike.
+
+    Both bend by the same moment, so that the softer one takes more of the fold between them.
+    """
+    if np.ptp(rigidity) <= 1e-12 * rigidity.max():
+        return None
+    first, second = paired_half_edges(corners)
+    both = second >= 0
+    beyond = np.ones(3 * len(corners))  # by half-edges, from each corner to the next
+    one, two = first[both] // 3, second[both] // 3
+    beyond[first[both]], beyond[second[both]] = rigidity[one] / rigidity[two], rigidity[two] / rigidity[one]
+    return np.asarray(beyond.reshape(-1, 3)[:, [1, 2, 0]])  # by the opposite corner
+
+
+def rigidity_of(thickness: Array, E: Array, nu: Array) -> Array:
+    """Bending stiffness D of plates."""
+    return np.asarray(E * thickness**3 / (12 * (1 - nu**2)))
 
 
 class FacetKernel(Kernel):
@@ -139,8 +164,9 @@ class FacetKernel(Kernel):
         E: Array,
         nu: Array,
         members: NDArray[np.int64] | None = None,
+        beyond: Array | None = None,
     ) -> None:
-        self.rest, self.members = rest, members
+        self.rest, self.members, self.beyond = rest, members, beyond
         self.thickness, self.E, self.nu = thickness, E, nu
         dim = rest.shape[1]
         self._given, self.bends = conn, bends
@@ -166,13 +192,15 @@ class FacetKernel(Kernel):
             across[f, c] = 0.5 * np.linalg.norm(
                 np.cross(neighbour[:, 1] - neighbour[:, 0], neighbour[:, 2] - neighbour[:, 0]), axis=1
             )
+            if beyond is not None:
+                across *= beyond
             self._to_curvature = curvature_from_folds(flat, self.area, across)
             self._bending = fold_stiffness(self._to_curvature, self.area, thickness, E, nu)
             for edge in range(3):  # no moment at a free edge
                 self._bending = without_fold(self._bending, edge, ~bends[:, edge])[0]
 
     def arrays(self) -> dict[str, Any]:
-        names = ("bends", "thickness", "E", "nu", "members")
+        names = ("bends", "thickness", "E", "nu", "members", "beyond")
         return {"conn": self._given} | {name: getattr(self, name) for name in names}
 
     @property

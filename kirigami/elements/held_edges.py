@@ -14,7 +14,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kirigami.elements.clamp_hinge import HeldEdgeKernel
-from kirigami.elements.facet import curvature_from_folds, fold_stiffness, without_fold
+from kirigami.elements.facet import (
+    curvature_from_folds,
+    fold_stiffness,
+    rigidity_of,
+    softness_beyond,
+    without_fold,
+)
 from kirigami.elements.stiffness import hinge_stiffness
 from kirigami.elements.triangle import ENDS, STARTS, edge_vectors, flat_edges
 from kirigami.errors import ModelError
@@ -119,7 +125,7 @@ def _hinge_members(edges: Index, planes: Array, numbering: Numbering) -> list[Ke
     mesh, sheet = numbering.mesh, numbering.sheet
     conn = np.column_stack([mesh.edge_wings[edges, 0], mesh.edges[edges]])
     # The constant of an edge with one facet is D L^2 / A, just what is needed.
-    stiffness = hinge_stiffness(mesh, sheet.thickness, sheet.material.E, sheet.calibration.c)[edges]
+    stiffness = hinge_stiffness(mesh, sheet.thickness, sheet.of_facets("E"), sheet.of_facets("c"))[edges]
     own = np.arange(len(edges))
     at = np.tile([0, 1, 2], (len(edges), 1))
     none = np.empty(0, np.int64), np.empty((0, 4), np.int64), np.empty(0)
@@ -142,10 +148,17 @@ def _facet_members(edges: Index, planes: Array, numbering: Numbering) -> list[Ke
     starts, ends = corners[:, STARTS], corners[:, ENDS]
     points = numbering.rest
     beyond = 0.5 * np.linalg.norm(np.cross(points[ends] - points[starts], points[wing] - points[starts]), axis=2)
+    count = len(mesh.triangles)
+    thickness, E, nu = (
+        np.broadcast_to(np.asarray(values, dtype=float), (count,))
+        for values in (sheet.thickness, sheet.of_facets("E"), sheet.of_facets("nu"))
+    )
+    softer = softness_beyond(mesh.triangles, rigidity_of(thickness, E, nu))
+    if softer is not None:
+        beyond = beyond * softer[facets]
     across = np.where(inner, beyond, np.where(held, area[:, None], 0.0))
-    one = np.ones(len(facets))
     to_curvature = curvature_from_folds(flat, area, across)
-    matrix = fold_stiffness(to_curvature, area, sheet.thickness * one, sheet.material.E * one, sheet.material.nu * one)
+    matrix = fold_stiffness(to_curvature, area, thickness[facets], E[facets], nu[facets])
     for c in range(3):
         matrix = without_fold(matrix, c, ~inner[:, c] & ~held[:, c])[0]
     place = {edge: row for row, edge in enumerate(edges.tolist())}

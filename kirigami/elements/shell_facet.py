@@ -27,11 +27,11 @@ from kirigami.elements.crease import Crease, folded_pairs
 from kirigami.elements.shell_images import mirror_planes, plane_normals
 from kirigami.elements.shell_kernel import ShellFacetKernel
 from kirigami.elements.shell_rest import numbered_edges
-from kirigami.elements.triangle import check_areas, plane_stress
+from kirigami.elements.triangle import check_areas
 from kirigami.errors import ModelError
 from kirigami.primitives.checks import require_array, require_instance, require_positive
 from kirigami.primitives.kernel import Array, Kernel
-from kirigami.primitives.material import Material
+from kirigami.primitives.material import SheetMaterial, each_section, strain_turn
 from kirigami.primitives.node import Node, require_nodes
 from kirigami.primitives.parts import ModelObject, Numbering
 
@@ -46,7 +46,7 @@ class ShellFacet(ModelObject):
         Corners, counter-clockwise seen from the side of the normal.
     thickness : float
         Sheet thickness [length].
-    material : Material
+    material : Material, Orthotropic or Laminate
         Elastic constants.
     normals : array_like, shape (3, 3), optional
         Normals of a curved rest surface at the corners, of any length. None takes the mean of the facets around a
@@ -57,7 +57,7 @@ class ShellFacet(ModelObject):
         strains and curvatures (exx, eyy, gxy, kxx, kyy, 2 kxy), symmetric and positive definite. None takes that of
         `material`.
     axis : array_like, shape (3,)
-        Direction whose projection on the facet is the first axis of `section`.
+        Direction whose projection on the facet is the first axis of `section` and of materials that are not isotropic.
 
     Raises
     ------
@@ -79,7 +79,7 @@ class ShellFacet(ModelObject):
     j: Node
     k: Node
     thickness: float
-    material: Material
+    material: SheetMaterial
     normals: ArrayLike | None = None
     section: ArrayLike | None = None
     axis: ArrayLike = (1.0, 0.0, 0.0)
@@ -90,7 +90,9 @@ class ShellFacet(ModelObject):
         if len(set(map(id, corners))) < 3:
             raise ModelError(f"ShellFacet on {corners}: give three different nodes as corners")
         object.__setattr__(self, "thickness", require_positive(self.thickness, "thickness", "ShellFacet"))
-        require_instance(self.material, Material, "material", "ShellFacet")
+        require_instance(self.material, SheetMaterial, "material", "ShellFacet")
+        if self.section is None:
+            self.material.checked_thickness(self.thickness, "ShellFacet")
         for name, shape in (("normals", (3, 3)), ("section", (6, 6)), ("axis", (3,))):
             given = getattr(self, name)
             if given is not None or name == "axis":
@@ -130,45 +132,42 @@ class ShellFacet(ModelObject):
         return [ShellFacetKernel(numbering.rest, conn, sections, edges.forward, density, planes=planes)]
 
 
-def isotropic_section(thickness: float, material: Material) -> Array:
-    """Section matrix (6, 6) of a homogeneous isotropic sheet: A = t C, D = t^3 / 12 C, B = 0."""
-    section = np.zeros((6, 6))
-    elasticity = material.E * plane_stress(material.nu)
-    section[:3, :3] = thickness * elasticity
-    section[3:, 3:] = thickness**3 / 12 * elasticity
-    return section
-
-
 def section_matrices(objects: Sequence[Any], corners: Array) -> Array:
     """Section matrices (n, 6, 6) of facets with `corners` (n, 3, 3), first axis along the edge from corner i to j."""
-    known: dict[tuple[float, Material], Array] = {}
     sections = np.empty((len(objects), 6, 6))
-    for position, facet in enumerate(objects):
-        if facet.section is not None:
-            sections[position] = turned_section(facet.section, facet.axis, corners[position])
-            continue
-        key = (facet.thickness, facet.material)
-        if key not in known:
-            known[key] = isotropic_section(*key)
-        sections[position] = known[key]
+    given = np.array([facet.section is not None for facet in objects])
+    for position in np.flatnonzero(given).tolist():
+        sections[position] = objects[position].section
+    made = [facet for facet in objects if facet.section is None]
+    if made:
+        known = {material: number for number, material in enumerate(dict.fromkeys(facet.material for facet in made))}
+        number = np.array([known[facet.material] for facet in made])
+        sections[~given] = each_section(np.array([facet.thickness for facet in made]), number, tuple(known))
+    turning = np.flatnonzero(given | np.array([not facet.material.isotropic for facet in objects]))
+    if turning.size:
+        axes = np.array([objects[position].axis for position in turning.tolist()], dtype=float)
+        sections[turning] = turned_sections(sections[turning], axes, corners[turning])
     return sections
 
 
-def turned_section(section: ArrayLike, axis: ArrayLike, corners: Array) -> Array:
-    """A section matrix (6, 6) in the axes of a facet, from those whose first is the projection of `axis` on it."""
-    along = corners[1] - corners[0]
-    along = along / np.linalg.norm(along)
-    normal = np.cross(along, corners[2] - corners[0])
-    normal /= np.linalg.norm(normal)
-    direction = np.asarray(axis, dtype=float)
-    first = direction - (direction @ normal) * normal
-    if np.linalg.norm(first) < 1e-6 * np.linalg.norm(direction):
-        raise ModelError(f"ShellFacet with corners {corners.tolist()}: its section's axis stands on it; give another")
-    angle = np.arctan2(np.cross(along, first) @ normal, along @ first)  # from the facet's axis to the section's
-    c, s = np.cos(angle), np.sin(angle)
-    turn = np.array([[c * c, s * s, c * s], [s * s, c * c, -c * s], [-2 * c * s, 2 * c * s, c * c - s * s]])
-    both = np.kron(np.eye(2), turn)
-    return np.asarray(both.T @ np.asarray(section) @ both)
+def turned_sections(sections: Array, axes: Array, corners: Array) -> Array:
+    """Section matrices (n, 6, 6) in the axes of facets, from those whose first is the projection of `axes` (n, 3)."""
+    along = corners[:, 1] - corners[:, 0]
+    along = along / np.linalg.norm(along, axis=1)[:, None]
+    normal = np.cross(along, corners[:, 2] - corners[:, 0])
+    normal /= np.linalg.norm(normal, axis=1)[:, None]
+    first = axes - (axes * normal).sum(axis=1)[:, None] * normal
+    standing = np.flatnonzero(np.linalg.norm(first, axis=1) < 1e-6 * np.linalg.norm(axes, axis=1))
+    if standing.size:
+        raise ModelError(
+            f"ShellFacet with corners {corners[standing[0]].tolist()}: the axis {axes[standing[0]].tolist()} of its "
+            "section or material stands on it: give another axis"
+        )
+    # from the facet's axis to the section's
+    angle = np.arctan2((np.cross(along, first) * normal).sum(axis=1), (along * first).sum(axis=1))
+    both = np.zeros((len(angle), 6, 6))
+    both[:, :3, :3] = both[:, 3:, 3:] = strain_turn(angle)
+    return np.asarray(both.transpose(0, 2, 1) @ sections @ both)
 
 
 def _scaled(section: Array) -> Array:

@@ -12,8 +12,8 @@ The rungs, from cheap to accurate, all on the same mesh:
 
 The constants of bars and hinges: with facet areas A, edge length L, thickness t and material (E, nu):
 
-* bars    EA = F_s E t (sum of A over the one or two facets of the edge) / L
-* hinges  k = c E t^3 L^2 / (A1 + A2), the total of the edge
+* bars    EA = (sum of F_s E t A over the one or two facets of the edge) / L
+* hinges  k = L^2 / (A1 / (c E t^3)_1 + A2 / (c E t^3)_2), the total of the edge
 
 "plate" takes F_s = 1, the triangulated-membrane rule of Van Gelder (1998), which is exact for equilateral facets at
 nu = 1/3, and c = 1 / (12 (1 - nu^2)), which makes cylindrical bending exact on equilateral and on leg-aligned
@@ -27,18 +27,20 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
 from kirigami.deferred import deferred
 from kirigami.errors import ModelError
-from kirigami.primitives.checks import require_choice, require_instance, require_positive
+from kirigami.primitives.checks import require_array, require_choice, require_instance, require_positive
 from kirigami.primitives.kernel import Array
-from kirigami.primitives.material import Material
+from kirigami.primitives.material import SheetMaterial, each_section
 
 if TYPE_CHECKING:
     from kirigami.geometry.mesh import TriMesh
 
 RUNGS = ("paper", "plate", "facet", "shell")  # from cheap to accurate
 ALIASES = {"split": "shell"}  # names of earlier versions
+Constant = float | Array  # of the whole sheet, or of each facet
 
 
 def rung_named(stiffness: str, owner: str) -> str:
@@ -78,38 +80,100 @@ class Calibration:
         object.__setattr__(self, "c", require_positive(self.c, "c", "Calibration"))
 
     @classmethod
-    def named(cls, stiffness: str | Calibration, material: Material) -> Calibration:
-        """The calibration of a name, or the one given."""
-        require_instance(material, Material, "material", "Calibration.named")
+    def named(cls, stiffness: str | Calibration, material: SheetMaterial) -> Calibration:
+        """The calibration of a name for an isotropic material, or the one given."""
+        require_instance(material, SheetMaterial, "material", "Calibration.named")
         if isinstance(stiffness, Calibration):
             return stiffness
         known = (*RUNGS, *ALIASES)
         require_choice(stiffness, known, "stiffness", "Model.from_mesh", or_else="a Calibration(F_s, c)")
         if stiffness == "paper":
             return cls(F_s=0.85, c=0.125 / 48)
-        return cls(F_s=1.0, c=1 / (12 * (1 - material.nu**2)))
+        return cls(F_s=1.0, c=_plate_factor(getattr(material, "nu", 0.0)))
 
 
-@dataclass(frozen=True)
+def _plate_factor(nu: float) -> float:
+    """The factor c of plate theory."""
+    return 1 / (12 * (1 - nu**2))
+
+
+@dataclass(frozen=True, eq=False)
 class SheetConstants:
-    """The calibration a model was made with, and what it was applied to."""
+    """The calibration a model was made with, and what it was applied to.
+
+    Attributes
+    ----------
+    calibration : Calibration
+        That of the rung; "plate" takes the c of each facet's own Poisson ratio.
+    thickness : float or ndarray, shape (m,)
+        One for the whole sheet, or one for each facet [length].
+    material : SheetMaterial or tuple of SheetMaterial
+        One for the whole sheet, or one for each facet.
+    rung : str
+        Name of the rung of accuracy, "calibration" for own factors.
+    """
 
     calibration: Calibration
-    thickness: float
-    material: Material
-    rung: str = "calibration"  # name of the rung of accuracy, "calibration" for own factors
+    thickness: float | Array
+    material: SheetMaterial | tuple[SheetMaterial, ...]
+    rung: str = "calibration"
+
+    @property
+    def materials(self) -> tuple[SheetMaterial, ...]:
+        """Every material there is, each once."""
+        return self.material_of_facets(1)[1]
+
+    def material_of_facets(self, count: int) -> tuple[NDArray[np.int64], tuple[SheetMaterial, ...]]:
+        """Number (count,) of the material of each facet, and the materials."""
+        if isinstance(self.material, SheetMaterial):
+            return np.zeros(count, np.int64), (self.material,)
+        known = {material: number for number, material in enumerate(dict.fromkeys(self.material))}
+        return np.array([known[material] for material in self.material]), tuple(known)
+
+    def thickness_of_facets(self, count: int) -> Array:
+        """Thickness (count,) of each facet."""
+        return np.broadcast_to(np.asarray(self.thickness, dtype=float), (count,))
+
+    def sections(self, count: int) -> Array:
+        """Section matrices (count, 6, 6) of the facets in the axes of the drawing."""
+        return each_section(self.thickness_of_facets(count), *self.material_of_facets(count))
+
+    def of_facets(self, name: str) -> float | Array:
+        """A constant of an isotropic material ("E", "nu"), or the factor "c": one, or one for each facet (m,)."""
+        if name == "c":
+            if self.rung in ("calibration", "paper"):
+                return self.calibration.c
+            nu = self.of_facets("nu")
+            return _plate_factor(nu) if isinstance(nu, float) else 1 / (12 * (1 - nu**2))
+        if isinstance(self.material, SheetMaterial):
+            return float(getattr(self.material, name))
+        return np.array([getattr(material, name) for material in self.material])
+
+    def mass_per_area(self, count: int) -> Array | None:
+        """Mass per area (count,) of each facet, None where a density is not known."""
+        number, materials = self.material_of_facets(count)
+        thickness = self.thickness_of_facets(count)
+        found = np.empty(count)
+        for position, material in enumerate(materials):
+            if material.density is None:
+                return None
+            found[number == position] = material.density
+        return np.asarray(found * thickness)
 
 
-def bar_stiffness(mesh: TriMesh, thickness: float, E: float, F_s: float) -> Array:
-    """EA of each mesh edge (edges,) [force]."""
-    _check_constants("bar_stiffness", mesh, thickness=thickness, E=E, F_s=F_s)
-    return F_s * E * thickness * _facet_area_sum(mesh) / mesh.edge_lengths
+def bar_stiffness(mesh: TriMesh, thickness: Constant, E: Constant, F_s: Constant) -> Array:
+    """EA of each mesh edge (edges,) [force]; constants of the sheet, or of each facet (m,)."""
+    factor = _facet_factor("bar_stiffness", mesh, 1, thickness=thickness, E=E, F_s=F_s)
+    return _facet_sum(mesh, mesh.facet_areas * factor) / mesh.edge_lengths
 
 
-def hinge_stiffness(mesh: TriMesh, thickness: float, E: float, c: float) -> Array:
-    """Rotational stiffness of each mesh edge (edges,) [force length / rad]; meaningful for inner edges."""
-    _check_constants("hinge_stiffness", mesh, thickness=thickness, E=E, c=c)
-    return c * E * thickness**3 * mesh.edge_lengths**2 / _facet_area_sum(mesh)
+def hinge_stiffness(mesh: TriMesh, thickness: Constant, E: Constant, c: Constant) -> Array:
+    """Rotational stiffness of each mesh edge (edges,) [force length / rad]; meaningful for inner edges.
+
+    Both facets bend by the same moment, each by its own stiffness. Constants of the sheet, or of each facet (m,).
+    """
+    factor = _facet_factor("hinge_stiffness", mesh, 3, thickness=thickness, E=E, c=c)
+    return mesh.edge_lengths**2 / _facet_sum(mesh, mesh.facet_areas / factor)
 
 
 def _check_mesh(mesh: TriMesh, owner: str) -> None:
@@ -118,24 +182,25 @@ def _check_mesh(mesh: TriMesh, owner: str) -> None:
     require_instance(mesh, TriMesh, "mesh", owner, "make one with Sheet.mesh or TriMesh")
 
 
-def _check_constants(owner: str, mesh: TriMesh, **constants: float) -> None:
+def _facet_factor(owner: str, mesh: TriMesh, power: int, thickness: Constant, **others: Constant) -> Array:
+    """Product (m,) of the constants of each facet, the thickness to a power."""
     _check_mesh(mesh, owner)
-    for name, value in constants.items():
-        require_positive(value, name, owner)
-    rigidity = (
-        float(np.prod([float(value) for value in constants.values()]))
-        * float(constants["thickness"])
-        * float(constants["thickness"])
-    )
-    if not np.isfinite(rigidity):
-        raise ModelError(
-            f"{owner}: the stiffness of a sheet of thickness {constants['thickness']:g} is beyond all numbers"
-        )
+    count = len(mesh.triangles)
+    product = np.ones(count)
+    with np.errstate(over="ignore"):
+        for name, value in {"thickness": thickness, **others}.items():
+            each = require_array(value, (), (count,), name=name, owner=owner)
+            if each.min() <= 0:
+                require_positive(float(each.min()), name, owner)
+            product = product * each ** (power if name == "thickness" else 1)
+    if not np.isfinite(product * np.max(thickness) ** (3 - power)).all():
+        raise ModelError(f"{owner}: the stiffness of a sheet of thickness {np.max(thickness):g} is beyond all numbers")
+    return product
 
 
-def _facet_area_sum(mesh: TriMesh) -> Array:
-    areas = np.append(mesh.facet_areas, 0.0)  # a missing facet has index -1
-    total: Array = areas[mesh.edge_facets].sum(axis=1)
+def _facet_sum(mesh: TriMesh, values: Array) -> Array:
+    """Sums (edges,) of values (m,) of the one or two facets at each edge."""
+    total: Array = np.append(values, 0.0)[mesh.edge_facets].sum(axis=1)  # a missing facet has index -1
     return total
 
 

@@ -33,7 +33,7 @@ from kirigami.primitives.checks import (
     require_whole_array,
     shown,
 )
-from kirigami.primitives.material import Material
+from kirigami.primitives.material import SheetMaterial
 
 if TYPE_CHECKING:
     from kirigami.geometry.sizing import Sizing
@@ -79,12 +79,14 @@ class TriMesh:
         Named sets of nodes.
     thickness : float, optional
         Thickness of the sheet, passed on to the model.
-    material : Material, optional
+    material : Material, Orthotropic or Laminate, optional
         Material of the sheet, passed on to the model.
     cuts : sequence of CutLoop, optional
         The cuts. Without it every boundary loop but the outer one is a cut, from bottom to top and left to right.
     folds : sequence of FoldEdges
         Edges along which the sheet is creased.
+    regions : mapping of str to array_like of int or of bool (m,), optional
+        Named sets of facets, for thickness, material and loads.
 
     Raises
     ------
@@ -115,16 +117,21 @@ class TriMesh:
         sets: Mapping[str, ArrayLike] | None = None,
         *,
         thickness: float | None = None,
-        material: Material | None = None,
+        material: SheetMaterial | None = None,
         cuts: Sequence[CutLoop] | None = None,
         folds: Sequence[FoldEdges] = (),
+        regions: Mapping[str, ArrayLike] | None = None,
     ) -> None:
         self.nodes: Floats = _read_only(_checked_nodes(nodes))
         self.triangles: Integers = _read_only(oriented_triangles(self.nodes, _checked_triangles(self.nodes, triangles)))
         given = {} if sets is None else require_mapping(sets, "sets", "TriMesh", GeometryError)
-        self.sets: dict[str, Integers] = {name: self._node_set(name, which) for name, which in given.items()}
+        self.sets: dict[str, Integers] = {
+            name: _indices(which, len(self.nodes), f"node set {name!r}", "node") for name, which in given.items()
+        }
         self.thickness = None if thickness is None else require_positive(thickness, "thickness", "TriMesh")
-        self.material = None if material is None else require_instance(material, Material, "material", "TriMesh")
+        self.material = None if material is None else require_instance(material, SheetMaterial, "material", "TriMesh")
+        areas = {} if regions is None else require_mapping(regions, "regions", "TriMesh", GeometryError)
+        self.regions: dict[str, Integers] = {name: self._region(name, which) for name, which in areas.items()}
         self._given_cuts = None if cuts is None else _checked_cuts(cuts, len(self.nodes))
         self.folds: tuple[FoldEdges, ...] = tuple(self._checked_folds(folds))
         self.sizing: Sizing | None = None  # what a mesh with a budget of nodes has come to
@@ -399,7 +406,7 @@ class TriMesh:
     def _copy(self, nodes: Floats, sets: Mapping[str, ArrayLike], cuts: Sequence[CutLoop] | None) -> TriMesh:
         return TriMesh(
             nodes, self.triangles, sets,
-            thickness=self.thickness, material=self.material, cuts=cuts, folds=self.folds,
+            thickness=self.thickness, material=self.material, cuts=cuts, folds=self.folds, regions=self.regions,
         )  # fmt: skip
 
     def _checked_folds(self, folds: Sequence[FoldEdges]) -> list[FoldEdges]:
@@ -419,20 +426,11 @@ class TriMesh:
                 free.remove(key)
         return listed
 
-    def _node_set(self, name: str, which: ArrayLike) -> Integers:
-        try:
-            indices = np.asarray(which)
-        except ValueError:
-            raise GeometryError(f"node set {name!r} must be a flat list of node numbers, got {shown(which)}") from None
-        if indices.dtype == bool and indices.shape == (len(self.nodes),):
-            indices = np.flatnonzero(indices)
-        if indices.size and not np.issubdtype(indices.dtype, np.integer):
-            raise GeometryError(f"node set {name!r} must hold integers or one boolean per node, not {indices.dtype}")
-        indices = np.unique(indices).astype(np.int64)
-        if indices.size and not (indices[0] >= 0 and indices[-1] < len(self.nodes)):
-            worst = indices[0] if indices[0] < 0 else indices[-1]
-            raise GeometryError(f"node set {name!r} holds index {worst}, but the mesh has {len(self.nodes)} nodes")
-        return _read_only(indices)
+    def _region(self, name: str, which: ArrayLike) -> Integers:
+        facets = _indices(which, len(self.triangles), f"region {name!r}", "facet")
+        if not facets.size:
+            raise GeometryError(f"region {name!r} is empty: it has no facet")
+        return facets
 
     def __repr__(self) -> str:
         size = " x ".join(f"{extent:.4g}" for extent in np.ptp(self.nodes, axis=0) if extent > 0)
@@ -450,6 +448,23 @@ class TriMesh:
 def _read_only(array: NDArray[Any]) -> NDArray[Any]:
     array.setflags(write=False)
     return array
+
+
+def _indices(which: ArrayLike, count: int, what: str, of: str) -> Integers:
+    """Numbers of nodes or facets in ascending order, each once; from numbers or from one boolean for each."""
+    try:
+        indices = np.asarray(which)
+    except ValueError:
+        raise GeometryError(f"{what} must be a flat list of {of} numbers, got {shown(which)}") from None
+    if indices.dtype == bool and indices.shape == (count,):
+        indices = np.flatnonzero(indices)
+    if indices.size and not np.issubdtype(indices.dtype, np.integer):
+        raise GeometryError(f"{what} must hold integers or one boolean per {of}, not {indices.dtype}")
+    indices = np.unique(indices).astype(np.int64)
+    if indices.size and not (indices[0] >= 0 and indices[-1] < count):
+        worst = indices[0] if indices[0] < 0 else indices[-1]
+        raise GeometryError(f"{what} holds index {worst}, but the mesh has {count} {of}s")
+    return _read_only(indices)
 
 
 def _checked_nodes(nodes: ArrayLike) -> Floats:

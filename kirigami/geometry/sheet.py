@@ -18,6 +18,7 @@ from kirigami.geometry.fold_line import Fold, FoldEdges
 from kirigami.geometry.given import checked_line_or_polygon, checked_outline, flattened, folds_of, named_lines
 from kirigami.geometry.mesh import TriMesh
 from kirigami.geometry.refine import LONGEST, signed_areas, triangulate_drawing
+from kirigami.geometry.regions import checked_regions, region_borders, region_facets
 from kirigami.geometry.sizing import NODES, Sizing, mesh_within, warn_of_coarse
 from kirigami.geometry.topology import pair_keys
 from kirigami.geometry.triangulate import Triangulation
@@ -31,7 +32,7 @@ from kirigami.primitives.checks import (
     require_positive,
     require_whole,
 )
-from kirigami.primitives.material import Material
+from kirigami.primitives.material import SheetMaterial
 
 CUT_FRACTION = 0.4  # default edge length along cuts, as a fraction of max_edge
 SNAP_PER_EDGE = 200  # the default snapping distance is this part of cut_edge
@@ -57,11 +58,14 @@ class Sheet:
         sequence of (x, y) pairs is a slit.
     thickness : float, optional
         Thickness in the unit of the coordinates, handed on to the mesh and the model.
-    material : Material, optional
+    material : Material, Orthotropic or Laminate, optional
         Handed on to the mesh and the model.
     folds : geometry, Fold, or nested sequences of them
         Lines along which the sheet is creased and not cut: a :class:`kirigami.Fold` says rest angle and stiffness, a
         mere line is a fold that rests flat.
+    regions : mapping of str to shapely.Polygon, MultiPolygon or sequence of (x, y), optional
+        Parts of the sheet with a name, to give thickness, material or loads to. Their borders become edges of the mesh,
+        and ``mesh.regions`` holds the facets of each.
 
     Raises
     ------
@@ -84,8 +88,9 @@ class Sheet:
         outline: shapely.Polygon | Sequence[Sequence[float]] | NDArray[np.float64],
         cuts: Any = (),
         thickness: float | None = None,
-        material: Material | None = None,
+        material: SheetMaterial | None = None,
         folds: Any = (),
+        regions: Mapping[str, Any] | None = None,
     ) -> None:
         self.outline = checked_outline(outline)
         self.cuts: tuple[BaseGeometry, ...] = tuple(
@@ -93,9 +98,12 @@ class Sheet:
         )
         self.thickness = None if thickness is None else require_positive(thickness, "thickness", "Sheet")
         self.material = (
-            None if material is None else require_instance(material, Material, "material", "Sheet")
+            None if material is None else require_instance(material, SheetMaterial, "material", "Sheet")
         )
         self.folds: tuple[Fold, ...] = tuple(folds_of(folds))
+        if self.material is not None:
+            self.thickness = self.material.checked_thickness(self.thickness, "Sheet")
+        self.regions = checked_regions(regions, self.outline)
 
     @property
     def area(self) -> float:
@@ -183,6 +191,9 @@ class Sheet:
             raise GeometryError(f"min_angle must lie between 0 and {LARGEST_MIN_ANGLE:g} degrees, not {min_angle}")
         names, geometries = named_lines(lines)
         creases = [fold.line for fold in self.folds]
+        for border in region_borders(self.regions, self.outline):
+            names.append("")
+            geometries.append(border)
         xmin, ymin, xmax, ymax = self.bounds
         extent = max(xmax - xmin, ymax - ymin)
         if max_edge is None:
@@ -243,7 +254,10 @@ class Sheet:
         for name, nodes_on_line in node_sets.items():
             if not nodes_on_line.size:
                 raise GeometryError(f"line {name!r} does not meet the sheet")
-        bare = TriMesh(nodes, triangles, node_sets, thickness=self.thickness, material=self.material)
+        regions = region_facets(self.regions, nodes, triangles)
+        bare = TriMesh(
+            nodes, triangles, node_sets, thickness=self.thickness, material=self.material, regions=regions
+        )
         label = {
             (min(pair), max(pair)): number
             for pair, number in zip(made.segments.tolist(), made.markers.tolist(), strict=True)

@@ -91,14 +91,22 @@ def _lines(shell: Shell, model: Model, targets: list[float], increments: int, el
         group = np.concatenate([group, between])
         yield f"*NSET, NSET={name.upper()}"
         yield from _wrapped((group + 1).tolist())
-    yield "*MATERIAL, NAME=SHEET"
-    yield "*ELASTIC"
-    yield _row([shell.material.E, shell.material.nu])
-    if shell.material.density is not None:
-        yield "*DENSITY"
-        yield _row([shell.material.density])
-    yield "*SHELL SECTION, ELSET=SHEET, MATERIAL=SHEET"
-    yield _row([shell.thickness])
+    materials = list(dict.fromkeys(material for _, material, _ in shell.parts))
+    names = ["SHEET"] if len(materials) == 1 else [f"SHEET_{number}" for number in range(len(materials))]
+    for name, material in zip(names, materials):
+        yield f"*MATERIAL, NAME={name}"
+        yield "*ELASTIC"
+        yield _row([material.E, material.nu])
+        if material.density is not None:
+            yield "*DENSITY"
+            yield _row([material.density])
+    for number, (thickness, material, facets) in enumerate(shell.parts):
+        part = "SHEET" if len(shell.parts) == 1 else f"PART_{number}"
+        if len(shell.parts) > 1:
+            yield f"*ELSET, ELSET={part}"
+            yield from _wrapped((facets + 1).tolist())
+        yield f"*SHELL SECTION, ELSET={part}, MATERIAL={names[materials.index(material)]}"
+        yield _row([thickness])
     held = dict(shell.held)
     for number, (i, j) in enumerate(middles.tolist(), len(shell.nodes)):
         # A node in the middle of an edge goes along where both ends are held.

@@ -25,13 +25,14 @@ import sys
 
 import openseespy.opensees as ops
 
-E, NU, THICKNESS, DENSITY = {E!r}, {nu!r}, {thickness!r}, {density!r}
+SECTIONS = [  # E, Poisson's ratio, thickness, density
+{sections}]
 TARGETS = {targets}  # load factors to store
 INCREMENT = {increment!r}  # of the load factor; halved where no equilibrium is found
 
 NODES = [  # x, y, z
 {nodes}]
-TRIANGLES = [  # nodes, counted from 0
+TRIANGLES = [  # nodes and section, counted from 0
 {triangles}]
 HELD = [  # node, axis (0, 1, 2), displacement at load factor 0, its growth with the load factor
 {held}]
@@ -49,9 +50,10 @@ def build():
     ops.model("basic", "-ndm", 3, "-ndf", 6)
     for number, place in enumerate(NODES, 1):
         ops.node(number, *place)
-    ops.section("ElasticMembranePlateSection", 1, E, NU, THICKNESS, DENSITY)
-    for number, (i, j, k) in enumerate(TRIANGLES, 1):
-        ops.element("ShellNLDKGT", number, i + 1, j + 1, k + 1, 1)
+    for number, constants in enumerate(SECTIONS, 1):
+        ops.section("ElasticMembranePlateSection", number, *constants)
+    for number, (i, j, k, section) in enumerate(TRIANGLES, 1):
+        ops.element("ShellNLDKGT", number, i + 1, j + 1, k + 1, section + 1)
     for node in CLAMPED:
         ops.fix(node + 1, 0, 0, 0, 1, 1, 0)
     for node in DRILL:
@@ -158,6 +160,9 @@ def to_openseespy(
         if constant and driven:
             raise ModelError(f"to_openseespy: node {key[0]} is both held off its place and driven along one axis")
     size = float(shell.nodes.max(axis=0).max() - shell.nodes.min())
+    section = np.zeros(len(shell.triangles), np.int64)
+    for part, (_, _, facets) in enumerate(shell.parts):
+        section[facets] = part
     nodes_loaded = sorted({node for node, _ in shell.loads})
     loads = [
         (node, *(tuple(shell.loads.get((node, axis), (0.0, 0.0))[part] for axis in range(3)) for part in (0, 1)))
@@ -166,15 +171,12 @@ def to_openseespy(
     script = SCRIPT.format(
         title=(model.name or "sheet").replace("\\", "/").replace('"', "'"),
         name=target.name,
-        E=shell.material.E,
-        nu=shell.material.nu,
-        thickness=shell.thickness,
-        density=shell.material.density or 0.0,
+        sections=_rows((m.E, m.nu, thickness, m.density or 0.0) for thickness, m, _ in shell.parts),
         targets=listed,
         increment=max(map(abs, listed)) / increments,
         tolerance=1e-9 * size,
         nodes=_rows(map(tuple, shell.nodes.tolist())),
-        triangles=_rows(map(tuple, shell.triangles.tolist())),
+        triangles=_rows(map(tuple, np.column_stack([shell.triangles, section]).tolist())),
         held=_rows((*key, *value) for key, value in shell.held.items()),
         clamped=_rows(shell.clamped.tolist()),
         drill=_first_of_parts(shell.triangles, len(shell.nodes)),

@@ -9,6 +9,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
+from kirigami.elements.stiffness import SheetConstants
 from kirigami.errors import ModelError
 from kirigami.model.constraints import Constraint, Fix, Prescribe
 from kirigami.model.loads import NodalLoad
@@ -30,10 +31,8 @@ class Shell:
         Rest positions, the stress-free imperfection included.
     triangles : ndarray of int, shape (m, 3)
         Facets, counter-clockwise.
-    thickness : float
-        Thickness [length].
-    material : Material
-        Its material.
+    parts : list of (float, Material, ndarray of int)
+        Thickness [length], material and facets of each part that has one thickness and material.
     held : dict of (node, axis) to (constant, driven)
         Known displacements: constant part, and part that grows with the load factor.
     clamped : ndarray of int
@@ -46,8 +45,7 @@ class Shell:
 
     nodes: Array
     triangles: NDArray[np.int64]
-    thickness: float
-    material: Material
+    parts: list[tuple[float, Material, NDArray[np.int64]]]
     held: dict[tuple[int, int], tuple[float, float]] = field(default_factory=dict)
     clamped: NDArray[np.int64] = field(default_factory=lambda: np.empty(0, np.int64))
     loads: dict[tuple[int, int], tuple[float, float]] = field(default_factory=dict)
@@ -92,8 +90,7 @@ def shell_of(model: Model, owner: str) -> Shell:
     shell = Shell(
         model.positions()[: len(mesh.nodes)],
         mesh.triangles,
-        model.sheet_constants.thickness,
-        model.sheet_constants.material,
+        _parts(model.sheet_constants, len(mesh.triangles), owner),
     )
     clamped: set[int] = set()
     boundary = mesh.edges[mesh.boundary_edges]
@@ -112,6 +109,22 @@ def shell_of(model: Model, owner: str) -> Shell:
                     constant, driven = shell.loads.get((node, axis), (0.0, 0.0))
                     shell.loads[node, axis] = (constant + force * load.constant, driven + force * (not load.constant))
     return shell
+
+
+def _parts(
+    constants: SheetConstants, count: int, owner: str
+) -> list[tuple[float, Material, NDArray[np.int64]]]:
+    """The parts of a sheet that have one thickness and material, the thinnest first."""
+    number, materials = constants.material_of_facets(count)
+    thickness = constants.thickness_of_facets(count)
+    pairs, which = np.unique(np.stack([number, thickness], axis=1), axis=0, return_inverse=True)
+    found = []
+    for part, (position, height) in enumerate(pairs.tolist()):
+        material = materials[int(position)]
+        if not isinstance(material, Material):
+            raise ModelError(f"{owner} cannot hand over {material!r}: it writes isotropic materials only")
+        found.append((height, material, np.flatnonzero(which.ravel() == part)))
+    return found
 
 
 def _check_elements(model: Model, owner: str) -> None:

@@ -7,6 +7,7 @@ import warnings
 from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
 from kirigami.elements.bar import Bar
 from kirigami.elements.bend_hinge import BendHinge
@@ -17,8 +18,10 @@ from kirigami.errors import KirigamiWarning, ModelError
 from kirigami.geometry.fold_line import FoldEdges
 from kirigami.geometry.mesh import TriMesh
 from kirigami.geometry.topology import pair_keys
-from kirigami.primitives.checks import require_instance, require_positive
-from kirigami.primitives.material import Material
+from kirigami.model.properties import Materials, Thickness, facet_properties
+from kirigami.primitives.checks import require_instance
+from kirigami.primitives.kernel import Array
+from kirigami.primitives.material import Material, SheetMaterial
 from kirigami.primitives.node import Node
 from kirigami.primitives.parts import ModelObject
 
@@ -29,51 +32,42 @@ FEW = 50  # facets below which a mesh is too small to have a pattern
 BIAS = 0.2  # unevenness of stiffness over the directions, before relaxation, that is worth a warning
 FOLD_BIAS = 0.3  # the same of bending and twisting, which meshes without a pattern make uneven by a quarter at worst
 FREE = 0.1  # stiffness lost at free edges that is worth a warning
-SMOOTH = ("shell",)  # rungs that are right on any mesh
 
 
 def sheet_parts(
     mesh: TriMesh,
-    thickness: float | None,
-    material: Material | None,
+    thickness: Thickness,
+    material: Materials,
     stiffness: str | Calibration,
     dim: int,
     nodes: list[Node] | None = None,
 ) -> tuple[list[Node], list[ModelObject], SheetConstants]:
     """The nodes and elements of a mesh, and the constants that the elements were made with; on given nodes if any."""
     require_instance(mesh, TriMesh, "mesh", "Model.from_mesh", "make one with Sheet.mesh or TriMesh")
-    thickness = mesh.thickness if thickness is None else thickness
-    material = mesh.material if material is None else material
-    if thickness is None or material is None:
-        missing = "thickness" if thickness is None else "material"
-        raise ModelError(f"Model.from_mesh: no {missing}: give it here or to the Sheet the mesh is made from")
-    thickness = require_positive(thickness, "thickness", "Model.from_mesh")
-    require_instance(material, Material, "material", "Model.from_mesh")
-    if not np.isfinite(np.float64(material.E) * np.float64(thickness) ** 3):
-        raise ModelError(f"Model.from_mesh: the bending stiffness of thickness {thickness:g} overflows")
-    calibration = Calibration.named(stiffness, material)
+    height, made_of = facet_properties(mesh, thickness, material, "Model.from_mesh")
+    one = made_of if isinstance(made_of, SheetMaterial) else made_of[0]
+    calibration = Calibration.named(stiffness, one)
     nodes = [Node(*position) for position in mesh.nodes.tolist()] if nodes is None else nodes
     rung = ALIASES.get(stiffness, stiffness) if isinstance(stiffness, str) else "calibration"
-    constants = SheetConstants(calibration, thickness, material, rung)
-    _warn_of_bias(mesh, rung, material.nu, dim) if rung not in SMOOTH else None
+    constants = SheetConstants(calibration, height, made_of, rung)
+    if rung != "shell":
+        _check_isotropic(constants)
+        _warn_of_bias(mesh, rung, float(np.mean(constants.of_facets("nu"))), dim)
     if rung == "shell":
         if dim == 2:
             raise ModelError("Model.from_mesh: stiffness='shell' bends, so it needs dim=3; in a plane use 'facet'")
-        from kirigami.elements.shell_facet import ShellFacet
-
-        corners = mesh.triangles.tolist()
-        shells = [ShellFacet(nodes[i], nodes[j], nodes[k], thickness, material) for i, j, k in corners]
-        return nodes, [*shells, *_creases(nodes, mesh, thickness, material)], constants
-    hinges = _fold_hinges(nodes, mesh, thickness, material) if dim == 3 else []
+        return nodes, [*_facets(nodes, mesh, constants), *_creases(nodes, mesh, constants)], constants
+    hinges = _fold_hinges(nodes, mesh, constants) if dim == 3 else []
     if rung == "facet":
-        return nodes, [*_facets(nodes, mesh, thickness, material), *hinges], constants
-    EA = bar_stiffness(mesh, thickness, material.E, calibration.F_s).tolist()
+        return nodes, [*_facets(nodes, mesh, constants), *hinges], constants
+    E = constants.of_facets("E")
+    EA = bar_stiffness(mesh, height, E, calibration.F_s).tolist()
     elements: list[ModelObject] = [
         Bar(nodes[j], nodes[k], value) for (j, k), value in zip(mesh.edges.tolist(), EA)
     ]
     if dim == 3:
         inner = np.flatnonzero((mesh.edge_facets[:, 1] >= 0) & ~mesh.edge_folded)
-        rigidity = hinge_stiffness(mesh, thickness, material.E, calibration.c)[inner].tolist()
+        rigidity = hinge_stiffness(mesh, height, E, constants.of_facets("c"))[inner].tolist()
         edges, wings = mesh.edges[inner].tolist(), mesh.edge_wings[inner].tolist()
         elements += [
             BendHinge(nodes[i], nodes[j], nodes[k], nodes[other], value)
@@ -106,6 +100,16 @@ def on_rung(model: Model, stiffness: str) -> Model:
     twin.add(*elements)
     twin._sheet = tuple(elements)
     return twin
+
+
+def _check_isotropic(constants: SheetConstants) -> None:
+    """Bars, hinges and flat facets stand for isotropic materials only."""
+    for material in constants.materials:
+        if not material.isotropic:
+            raise ModelError(
+                f"Model.from_mesh: stiffness={constants.rung!r} stands for isotropic materials only, not for "
+                f"{material!r}: use stiffness='shell'"
+            )
 
 
 def _warn_of_bias(mesh: TriMesh, rung: str, nu: float, dim: int) -> None:
@@ -154,8 +158,21 @@ def _warn(
     return bool(off)
 
 
-def _stiffness(fold: FoldEdges, thickness: float, material: Material) -> float:
-    return score_stiffness(thickness, material) if fold.stiffness is None else fold.stiffness
+def _fold_stiffness(mesh: TriMesh, constants: SheetConstants) -> list[tuple[FoldEdges, NDArray[np.int64], Array]]:
+    """The folds of a mesh with the numbers of their edges and the stiffness of each [force / rad], which is that of a
+    score of the softer side where a fold has none of its own."""
+    keys = pair_keys(mesh.edges, len(mesh.nodes))
+    order = np.argsort(keys)
+    score = np.zeros(0)
+    if any(fold.stiffness is None for fold in mesh.folds):
+        count = len(mesh.triangles)
+        score = score_stiffness(constants.thickness_of_facets(count), constants.sections(count))
+    found = []
+    for fold in mesh.folds:
+        at = order[np.searchsorted(keys[order], pair_keys(fold.edges, len(mesh.nodes)))]
+        own = score[mesh.edge_facets[at]].min(axis=1) if fold.stiffness is None else np.full(len(at), fold.stiffness)
+        found.append((fold, at, own))
+    return found
 
 
 def _rest_angle(fold: FoldEdges) -> float | None:
@@ -163,23 +180,20 @@ def _rest_angle(fold: FoldEdges) -> float | None:
     return fold.angle if fold.angle else None
 
 
-def _creases(nodes: list[Node], mesh: TriMesh, thickness: float, material: Material) -> list[ModelObject]:
+def _creases(nodes: list[Node], mesh: TriMesh, constants: SheetConstants) -> list[ModelObject]:
     """The folds of a mesh of shell facets, edge by edge."""
     return [
-        Crease((nodes[a], nodes[b]), _stiffness(fold, thickness, material), _rest_angle(fold))
-        for fold in mesh.folds
-        for a, b in fold.edges.tolist()
+        Crease((nodes[a], nodes[b]), stiffness, _rest_angle(fold))
+        for fold, _, own in _fold_stiffness(mesh, constants)
+        for (a, b), stiffness in zip(fold.edges.tolist(), own.tolist())
     ]
 
 
-def _fold_hinges(nodes: list[Node], mesh: TriMesh, thickness: float, material: Material) -> list[ModelObject]:
+def _fold_hinges(nodes: list[Node], mesh: TriMesh, constants: SheetConstants) -> list[ModelObject]:
     """The hinges of folds, in the place of those of the sheet; that of a free fold is none."""
-    keys = pair_keys(mesh.edges, len(mesh.nodes))
-    order = np.argsort(keys)
     made: list[ModelObject] = []
-    for fold in mesh.folds:
-        at = order[np.searchsorted(keys[order], pair_keys(fold.edges, len(mesh.nodes)))]
-        moment = _stiffness(fold, thickness, material) * mesh.edge_lengths[at]
+    for fold, at, own in _fold_stiffness(mesh, constants):
+        moment = own * mesh.edge_lengths[at]
         for (j, k), (i, other), value in zip(mesh.edges[at].tolist(), mesh.edge_wings[at].tolist(), moment.tolist()):
             if value > 0:
                 hinge = BendHinge(nodes[i], nodes[j], nodes[k], nodes[other], value, rest_angle=_rest_angle(fold))
@@ -187,15 +201,27 @@ def _fold_hinges(nodes: list[Node], mesh: TriMesh, thickness: float, material: M
     return made
 
 
-def _facets(nodes: list[Node], mesh: TriMesh, thickness: float, material: Material) -> list[ModelObject]:
-    """Every facet one that stretches and bends against its neighbours, but not across a fold."""
+def _facets(nodes: list[Node], mesh: TriMesh, constants: SheetConstants) -> list[ModelObject]:
+    """Every facet an element: shell facets, or flat ones that stretch and bend against their neighbours, but not across
+    a fold."""
+    count = len(mesh.triangles)
+    number, materials = constants.material_of_facets(count)
+    corners = mesh.triangles.tolist()
+    properties = zip(constants.thickness_of_facets(count).tolist(), [materials[k] for k in number.tolist()])
+    if constants.rung == "shell":
+        from kirigami.elements.shell_facet import ShellFacet
+
+        return [
+            ShellFacet(nodes[i], nodes[j], nodes[k], thickness, material)
+            for (i, j, k), (thickness, material) in zip(corners, properties)
+        ]
     from kirigami.elements.facet import Facet
 
     # For each facet and corner, the corner of the neighbour across the opposite edge.
     edge_of = {tuple(edge): position for position, edge in enumerate(np.sort(mesh.edges, axis=1).tolist())}
     made: list[ModelObject] = []
     wings, facets = mesh.edge_wings.tolist(), mesh.edge_facets.tolist()
-    for position, triangle in enumerate(mesh.triangles.tolist()):
+    for position, (triangle, (thickness, material)) in enumerate(zip(corners, properties)):
         across: list[Node | None] = []
         for corner in range(3):
             a, b = sorted((triangle[corner - 2], triangle[corner - 1]))
@@ -204,5 +230,6 @@ def _facets(nodes: list[Node], mesh: TriMesh, thickness: float, material: Materi
             wing = wings[edge][1] if facets[edge][0] == position else wings[edge][0]
             across.append(nodes[wing] if other >= 0 and not mesh.edge_folded[edge] else None)
         i, j, k = (nodes[corner] for corner in triangle)
+        assert isinstance(material, Material)
         made.append(Facet(i, j, k, thickness, material, (across[0], across[1], across[2])))
     return made

@@ -22,13 +22,13 @@ from kirigami.primitives.checks import (
     require_whole,
     shown,
 )
-from kirigami.primitives.material import Material
 from kirigami.primitives.node import Node
 from kirigami.primitives.parts import KINDS, ModelObject
 
 if TYPE_CHECKING:
     from kirigami.elements.stiffness import Calibration, SheetConstants
     from kirigami.geometry.mesh import TriMesh
+    from kirigami.model.properties import Materials, Thickness
     from kirigami.primitives.kernel import Array
 
 Item = TypeVar("Item")
@@ -100,8 +100,8 @@ class Model:
     def from_mesh(
         cls,
         mesh: TriMesh,
-        thickness: float | None = None,
-        material: Material | None = None,
+        thickness: Thickness = None,
+        material: Materials = None,
         stiffness: str | Calibration = "plate",
         dim: int = 3,
     ) -> Model:
@@ -111,10 +111,12 @@ class Model:
         ----------
         mesh : TriMesh
             The mesh; ``mesh.nodes[i]`` becomes ``model.nodes[i]``.
-        thickness : float, optional
-            Sheet thickness [length]; None takes the one the mesh carries from its sheet.
-        material : Material, optional
-            None takes the one the mesh carries from its sheet.
+        thickness : float, array_like (m,), mapping or callable, optional
+            Thickness of the sheet [length]: one; one for each facet; a mapping from names of regions of the mesh, in
+            which None stands for what is in none of them; or ``thickness(x, y, z)`` of the centres of the facets. What
+            is left out is what the mesh carries from its sheet, or a laminate has by itself.
+        material : Material, Orthotropic, Laminate, sequence (m,), mapping or callable, optional
+            The same for materials. Only "shell" stands for materials that are not isotropic.
         stiffness : {"plate", "paper", "facet", "shell"} or Calibration
             "plate": bars and hinges with constants from plate theory, the cheapest; "paper": with the published
             constants; "facet": facets whose three edges stretch and fold together; "shell": shell facets, which
@@ -126,12 +128,13 @@ class Model:
         Raises
         ------
         ModelError
-            Thickness or material missing or out of range, unknown stiffness.
+            Thickness or material missing or out of range, unknown stiffness, a region that is not there or overlaps.
 
         Warns
         -----
         KirigamiWarning
-            Where the edges of the mesh favour some directions so much that bars and hinges on it are off by a fifth.
+            Where the edges of the mesh favour some directions so much that bars and hinges on it are off by a fifth,
+            and where one facet is more than a hundred times as thick as its neighbour.
 
         Examples
         --------
@@ -139,6 +142,11 @@ class Model:
         >>> mesh = kg.TriMesh([[0, 0], [1, 0], [1, 1], [0, 1]], [[0, 1, 2], [0, 2, 3]])
         >>> print(kg.Model.from_mesh(mesh, thickness=0.01, material=kg.Material(E=1e9)))
         Model in 3D: 4 nodes, 5 Bar, 1 BendHinge
+
+        A sheet with a stiffer patch:
+
+        >>> sheet = kg.Sheet([(0, 0), (4, 0), (4, 1), (0, 1)], regions={"patch": [(1, 0), (2, 0), (2, 1), (1, 1)]})
+        >>> m = kg.Model.from_mesh(sheet.mesh(0.5), {None: 0.01, "patch": 0.02}, kg.Material(E=1e9), "shell")
         """
         from kirigami.model.from_mesh import sheet_parts
 

@@ -1,15 +1,68 @@
-"""Materials of sheets."""
+"""Materials of sheets: what makes forces and moments of strain and curvature.
+
+A sheet bears forces N and moments M per length, in the axes x, y of the drawing, by the section matrix
+S = [[A, B], [B, D]] of classical lamination theory (Jones, 1999): (N, M) = S (e, k), with e = (exx, eyy, gamma_xy) of
+the middle surface and k = (kxx, kyy, 2 kxy) positive where the sheet is hollow from above. A fibre at the height z is
+strained by e - z k, so that with the plane-stress matrix C(z) of each layer
+
+    A = int C dz        B = - int z C dz        D = int z^2 C dz
+
+and a material turned by an angle has C' = R' C R.
+"""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
 
 from kirigami.errors import ModelError
-from kirigami.primitives.checks import require_finite, require_positive
+from kirigami.primitives.checks import require_finite, require_instance, require_items, require_positive
+from kirigami.primitives.kernel import Array
+
+SAME = 1e-9  # two thicknesses that differ by less are one
+
+
+class SheetMaterial:
+    """Base of the materials of a sheet.
+
+    ``isotropic`` tells whether bars, hinges and flat facets can stand for it.
+    """
+
+    isotropic: bool = False
+    density: float | None = None
+
+    def elasticity(self, height: float = 0.0) -> Array:
+        """Plane-stress matrix (3, 3) for (exx, eyy, gamma_xy) at a height over the thickness, from -1/2 to 1/2."""
+        raise NotImplementedError
+
+    def section(self, thickness: float) -> Array:
+        """Section matrix (6, 6) of a sheet [force / length, force, force length], in the axes of the drawing."""
+        found = np.zeros((6, 6))
+        elasticity = self.elasticity()
+        found[:3, :3] = thickness * elasticity
+        found[3:, 3:] = np.float64(thickness) ** 3 / 12 * elasticity
+        return found
+
+    def mass_per_area(self, thickness: float) -> float | None:
+        """Mass per area of a sheet, None where the density is not known."""
+        return None if self.density is None else self.density * thickness
+
+    def checked_thickness(self, thickness: float | None, owner: str) -> float | None:
+        """The thickness given, or the one that the material itself has."""
+        return thickness
+
+
+def _check_density(material: Any, owner: str) -> None:
+    if material.density is not None:
+        object.__setattr__(material, "density", require_positive(material.density, "density", owner))
 
 
 @dataclass(frozen=True)
-class Material:
+class Material(SheetMaterial):
     """Linear elastic, isotropic material of a sheet.
 
     Parameters
@@ -37,11 +90,209 @@ class Material:
     nu: float = 1 / 3
     density: float | None = None
 
+    isotropic = True
+
     def __post_init__(self) -> None:
         object.__setattr__(self, "E", require_positive(self.E, "E", "Material"))
         nu = require_finite(self.nu, "nu", "Material")
         if not -1 < nu < 0.5:
             raise ModelError(f"Material: nu must lie between -1 and 0.5, got {nu}")
         object.__setattr__(self, "nu", nu)
-        if self.density is not None:
-            object.__setattr__(self, "density", require_positive(self.density, "density", "Material"))
+        _check_density(self, "Material")
+
+    def elasticity(self, height: float = 0.0) -> Array:
+        E, nu = self.E / (1 - self.nu**2), self.nu
+        return np.array([[E, nu * E, 0], [nu * E, E, 0], [0, 0, (1 - nu) / 2 * E]])
+
+
+@dataclass(frozen=True)
+class Orthotropic(SheetMaterial):
+    """Linear elastic material of a sheet that is stiffer along one direction than across it: paper, a ply of fibres.
+
+    Only shell facets (``stiffness="shell"``) can stand for it.
+
+    Parameters
+    ----------
+    E1, E2 : float
+        Young's moduli along the grain and across it [force / length^2].
+    nu12 : float
+        Contraction across the grain over the extension along it, when pulled along it; nu12^2 < E1 / E2.
+    G12 : float
+        Shear modulus [force / length^2].
+    angle : float
+        Direction of the grain, counter-clockwise from the x axis of the drawing [rad].
+    density : float, optional
+        Mass per volume; only where mass or weight matters.
+
+    Raises
+    ------
+    ModelError
+        A value is out of its range or not finite.
+
+    Examples
+    --------
+    >>> import kirigami as kg
+    >>> paper = kg.Orthotropic(E1=6e9, E2=3e9, nu12=0.3, G12=1.7e9, angle=0.0)
+    >>> round(float(1 / np.linalg.inv(paper.elasticity())[1, 1] / 1e9), 9)
+    3.0
+    """
+
+    E1: float
+    E2: float
+    nu12: float
+    G12: float
+    angle: float = 0.0
+    density: float | None = None
+
+    def __post_init__(self) -> None:
+        for name in ("E1", "E2", "G12"):
+            object.__setattr__(self, name, require_positive(getattr(self, name), name, "Orthotropic"))
+        for name in ("nu12", "angle"):
+            object.__setattr__(self, name, require_finite(getattr(self, name), name, "Orthotropic"))
+        if not self.nu12**2 < self.E1 / self.E2:
+            raise ModelError(
+                f"Orthotropic: nu12 must lie between -{(self.E1 / self.E2) ** 0.5:.6g} and its opposite, the root of "
+                f"E1 / E2, got {self.nu12:.6g}: beyond, stretching would set energy free"
+            )
+        _check_density(self, "Orthotropic")
+
+    def elasticity(self, height: float = 0.0) -> Array:
+        compliance = np.array(
+            [[1 / self.E1, -self.nu12 / self.E1, 0], [-self.nu12 / self.E1, 1 / self.E2, 0], [0, 0, 1 / self.G12]]
+        )
+        return turned_elasticity(np.linalg.inv(compliance), self.angle)
+
+
+@dataclass(frozen=True)
+class Laminate(SheetMaterial):
+    """Layers that are bonded to one sheet. Only shell facets (``stiffness="shell"``) can stand for it.
+
+    A laminate that is not symmetric bends when it is pulled: its coupling B is part of the section matrix.
+
+    Parameters
+    ----------
+    layers : sequence of (material, thickness)
+        Layers from the lower face of the sheet to the upper one, which is the one seen from above: materials, also
+        laminates, and thicknesses [length]. The sheet is as thick as all layers together.
+
+    Raises
+    ------
+    ModelError
+        No layers, or a layer that is no pair of a material and a positive thickness.
+
+    Examples
+    --------
+    >>> import kirigami as kg
+    >>> ply = kg.Orthotropic(E1=140e9, E2=10e9, nu12=0.3, G12=5e9)
+    >>> across = kg.Orthotropic(E1=140e9, E2=10e9, nu12=0.3, G12=5e9, angle=np.pi / 2)
+    >>> two = kg.Laminate([(ply, 1e-4), (across, 1e-4)])
+    >>> two.thickness, bool(two.section(2e-4)[0, 3] > 0)
+    (0.0002, True)
+    """
+
+    layers: tuple[tuple[SheetMaterial, float], ...]
+    thickness: float = field(init=False, repr=False, compare=False)
+
+    def __post_init__(self) -> None:
+        checked: list[tuple[SheetMaterial, float]] = []
+        for number, layer in enumerate(require_items(self.layers, "layers", "Laminate")):
+            owner = f"Laminate: layer {number}"
+            pair = require_items(layer, "a pair of material and thickness", owner)
+            if len(pair) != 2:
+                raise ModelError(f"{owner} must be a pair of a material and a thickness, got {layer!r}")
+            material = require_instance(pair[0], SheetMaterial, "material", owner)
+            thickness = require_positive(pair[1], "thickness", owner)
+            material.checked_thickness(thickness, owner)
+            checked.append((material, thickness))
+        if not checked:
+            raise ModelError("Laminate: give at least one layer, a pair of a material and a thickness")
+        object.__setattr__(self, "layers", tuple(checked))
+        object.__setattr__(self, "thickness", float(sum(thickness for _, thickness in checked)))
+
+    @property
+    def density(self) -> float | None:  # type: ignore[override]
+        """Mean mass per volume, None where that of a layer is not known."""
+        masses = [material.mass_per_area(thickness) for material, thickness in self.layers]
+        return None if None in masses else sum(mass for mass in masses if mass is not None) / self.thickness
+
+    def checked_thickness(self, thickness: float | None, owner: str) -> float:
+        if thickness is not None and abs(thickness - self.thickness) > SAME * self.thickness:
+            raise ModelError(
+                f"{owner}: the layers of the Laminate are {self.thickness:.9g} thick together, but the thickness given "
+                f"is {thickness:.9g}: leave it out"
+            )
+        return self.thickness
+
+    def _bounds(self) -> Iterable[tuple[SheetMaterial, float, float]]:
+        """Layers with the heights of their lower and upper faces."""
+        low = -0.5 * self.thickness
+        for material, thickness in self.layers:
+            yield material, low, low + thickness
+            low += thickness
+
+    def elasticity(self, height: float = 0.0) -> Array:
+        """That of the layer at the height; of the lower one where two meet."""
+        at = height * self.thickness
+        layers = list(self._bounds())
+        material, low, high = next(
+            (layer for layer in layers if at <= layer[2] + SAME * self.thickness), layers[-1]
+        )
+        return material.elasticity((at - 0.5 * (low + high)) / (high - low))
+
+    def section(self, thickness: float) -> Array:
+        self.checked_thickness(thickness, "Laminate")
+        total = np.zeros((6, 6))
+        for material, low, high in self._bounds():
+            middle = 0.5 * (low + high)
+            shift = np.eye(6)  # of strain, to the middle of the layer
+            shift[:3, 3:] = -middle * np.eye(3)
+            total += shift.T @ material.section(high - low) @ shift
+        return total
+
+
+def strain_turn(angle: Any) -> Array:
+    """Matrices (..., 3, 3) that turn (exx, eyy, gamma_xy) into what it is in axes turned by `angle` [rad]."""
+    c, s = np.cos(angle), np.sin(angle)
+    rows = [[c * c, s * s, c * s], [s * s, c * c, -c * s], [-2 * c * s, 2 * c * s, c * c - s * s]]
+    return np.moveaxis(np.array(rows), (0, 1), (-2, -1))
+
+
+def turned_elasticity(elasticity: Array, angle: float) -> Array:
+    """The matrix (3, 3) in axes from which those of a material are turned by `angle` [rad]."""
+    turn = strain_turn(angle)
+    return np.asarray(turn.T @ elasticity @ turn)
+
+
+def uniaxial_stiffness(section: Array) -> float:
+    """Force per length and strain of a sheet pulled along the stiffer of its two axes: E t of an isotropic one."""
+    return float((1 / np.diag(np.linalg.inv(section[:3, :3]))[:2]).max())
+
+
+def each_section(thickness: Array, number: NDArray[np.int64], materials: Sequence[SheetMaterial]) -> Array:
+    """Section matrices (m, 6, 6) of facets of a thickness (m,) and a material, by its number (m,) among `materials`."""
+    pairs, which = np.unique(np.stack([thickness, number], axis=1), axis=0, return_inverse=True)
+    made = np.array([materials[int(position)].section(float(height)) for height, position in pairs.tolist()])
+    return np.asarray(made[which.ravel()])
+
+
+def to_words(material: SheetMaterial) -> Any:
+    """A material in plain lists and numbers, for files."""
+    if isinstance(material, Material):
+        return [material.E, material.nu, material.density]  # as files of earlier versions have it
+    if isinstance(material, Orthotropic):
+        values = [material.E1, material.E2, material.nu12, material.G12, material.angle, material.density]
+        return {"class": "Orthotropic", "values": values}
+    if isinstance(material, Laminate):
+        return {"class": "Laminate", "layers": [[to_words(layer), thickness] for layer, thickness in material.layers]}
+    raise NotImplementedError(f"a {type(material).__name__} does not say how to save itself")
+
+
+def from_words(words: Any) -> SheetMaterial:
+    """The material of :func:`to_words`."""
+    if not isinstance(words, dict):
+        return Material(*words)
+    if words["class"] == "Orthotropic":
+        return Orthotropic(*words["values"])
+    if words["class"] == "Laminate":
+        return Laminate(tuple((from_words(layer), thickness) for layer, thickness in words["layers"]))
+    raise ValueError(f"no material of this package: {words['class']}")

@@ -18,7 +18,7 @@ from kirigami.elements.stiffness import Calibration, SheetConstants
 from kirigami.errors import AnalysisError
 from kirigami.files import whole_file
 from kirigami.primitives.checks import require_path
-from kirigami.primitives.material import Material
+from kirigami.primitives.material import from_words, to_words
 from kirigami.results.results import Results
 from kirigami.results.step import Event, Step
 from kirigami.results.supports import Support
@@ -119,14 +119,17 @@ def pack(results: Results, with_kernels: bool = True) -> dict[str, Any]:
     if results.mesh is not None:
         head["mesh"] = {
             "sets": list(results.mesh.sets),
+            "regions": list(results.mesh.regions),
             "cuts": [[list(cut.members), bool(cut.open)] for cut in results.mesh.cuts],
             "thickness": results.mesh.thickness,
-            "material": None if results.mesh.material is None else astuple(results.mesh.material),
+            "material": None if results.mesh.material is None else to_words(results.mesh.material),
             "folds": [[fold.angle, fold.stiffness] for fold in results.mesh.folds],
         }
         arrays["mesh.nodes"], arrays["mesh.triangles"] = results.mesh.nodes, results.mesh.triangles
         for position, nodes in enumerate(results.mesh.sets.values()):
             arrays[f"mesh.set{position}"] = nodes
+        for position, facets in enumerate(results.mesh.regions.values()):
+            arrays[f"mesh.region{position}"] = facets
         for position, cut in enumerate(results.mesh.cuts):
             arrays[f"mesh.cut{position}"] = np.asarray(cut.loop)
         for position, fold in enumerate(results.mesh.folds):
@@ -209,18 +212,24 @@ def load(path: str | os.PathLike[str]) -> Results:
 def _sheet_words(sheet: SheetConstants | None) -> dict[str, Any] | None:
     if sheet is None:
         return None
-    return {
-        "factors": astuple(sheet.calibration), "thickness": sheet.thickness, "material": astuple(sheet.material),
-        "rung": sheet.rung,
-    }  # fmt: skip
+    count = len(sheet.material) if isinstance(sheet.material, tuple) else 1
+    number, materials = sheet.material_of_facets(count)
+    thickness = np.asarray(sheet.thickness).tolist()
+    words = {"factors": astuple(sheet.calibration), "thickness": thickness, "rung": sheet.rung}
+    if len(materials) == 1:
+        return {**words, "material": to_words(materials[0])}
+    return {**words, "materials": [to_words(material) for material in materials], "material_of": number.tolist()}
 
 
 def _sheet(words: dict[str, Any] | None) -> SheetConstants | None:
     if words is None:
         return None
-    return SheetConstants(
-        Calibration(*words["factors"]), words["thickness"], Material(*words["material"]), words["rung"]
-    )
+    thickness = words["thickness"] if isinstance(words["thickness"], float) else np.array(words["thickness"])
+    calibration = Calibration(*words["factors"])
+    if "materials" not in words:
+        return SheetConstants(calibration, thickness, from_words(words["material"]), words["rung"])
+    materials = [from_words(material) for material in words["materials"]]
+    return SheetConstants(calibration, thickness, tuple(materials[k] for k in words["material_of"]), words["rung"])
 
 
 def _supports(head: dict[str, Any], data: dict[str, Any]) -> tuple[Support, ...]:
@@ -294,10 +303,13 @@ def _rebuild(head: dict[str, Any], data: dict[str, Any]) -> Results:
             FoldEdges(data[f"mesh.fold{position}"], *told)
             for position, told in enumerate(head["mesh"].get("folds", ()))
         ]
+        names = enumerate(head["mesh"].get("regions", ()))
+        regions = {name: data[f"mesh.region{position}"] for position, name in names}
         thickness, material = (head["mesh"].get(name) for name in ("thickness", "material"))
         results.mesh = TriMesh(
             data["mesh.nodes"], data["mesh.triangles"], sets,
-            thickness=thickness, material=material and Material(*material), cuts=cuts, folds=folds,
+            thickness=thickness, material=material and from_words(material), cuts=cuts,
+            folds=folds, regions=regions,
         )  # fmt: skip
     return results
 

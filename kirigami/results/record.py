@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from kirigami.elements.stiffness import SheetConstants
     from kirigami.geometry.mesh import TriMesh
     from kirigami.primitives.kernel import Array
-    from kirigami.primitives.material import Material
+    from kirigami.primitives.material import SheetMaterial
 
 Nodes = Node | int | str | Iterable[Node | int]
 Self = TypeVar("Self", bound="ModelRecord")
@@ -70,15 +70,15 @@ class ModelRecord:
         return self
 
     @property
-    def thickness(self) -> float | None:
-        """Thickness of the sheet [length], None where it is not known."""
+    def thickness(self) -> float | Array | None:
+        """Thickness of the sheet [length], or of each facet (m,) where it varies; None where it is not known."""
         if self.sheet_constants is not None:
             return self.sheet_constants.thickness
         return None if self.mesh is None else self.mesh.thickness
 
     @property
-    def material(self) -> Material | None:
-        """Material of the sheet, None where it is not known."""
+    def material(self) -> SheetMaterial | tuple[SheetMaterial, ...] | None:
+        """Material of the sheet, or of each facet where it varies; None where it is not known."""
         if self.sheet_constants is not None:
             return self.sheet_constants.material
         return None if self.mesh is None else self.mesh.material

@@ -24,10 +24,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from kirigami.elements.stiffness import Calibration, SheetConstants
 from kirigami.errors import AnalysisError, ModelError
 from kirigami.post.shape import check_flat, principal_values
 from kirigami.primitives.checks import require_choice, require_instance, require_positive, require_whole
-from kirigami.primitives.material import Material
+from kirigami.primitives.material import Laminate, SheetMaterial
 from kirigami.results.sheet_state import SheetState, StateReader
 
 if TYPE_CHECKING:
@@ -58,10 +59,10 @@ class SheetStress:
         Energy of stretching and of bending that the elements store in each facet [force length].
     area : ndarray, shape (m,)
         Areas of the facets at rest [length^2].
-    thickness : float
-        Sheet thickness [length].
-    material : Material
-        Elastic constants.
+    thickness : float or ndarray, shape (m,)
+        Sheet thickness [length], or that of each facet.
+    material : Material, Orthotropic, Laminate or tuple of them
+        Elastic constants of the sheet, or of each facet.
 
     Examples
     --------
@@ -84,11 +85,21 @@ class SheetStress:
     membrane_energy: Floats
     bending_energy: Floats
     area: Floats
-    thickness: float
-    material: Material
+    thickness: float | Floats
+    material: SheetMaterial | tuple[SheetMaterial, ...]
+
+    @property
+    def _constants(self) -> SheetConstants:
+        return SheetConstants(Calibration(1.0, 1.0), self.thickness, self.material)
+
+    @property
+    def sections(self) -> Floats:
+        """Section matrices (m, 6, 6) of the facets in the axes of the drawing: (N, M) by (exx, eyy, gamma_xy, kxx, kyy,
+        2 kxy)."""
+        return self._constants.sections(len(self.area))
 
     def tensor(self, fibre: str = "middle") -> Floats:
-        """Stress tensor (s, m, 2, 2) [force / length^2].
+        """Stress tensor (s, m, 2, 2) [force / length^2]; in a laminate that of the layer there.
 
         Parameters
         ----------
@@ -101,8 +112,16 @@ class SheetStress:
             Another name of a fibre.
         """
         require_choice(fibre, FIBRES, "fibre", "stress")
-        t = self.thickness
-        return np.asarray(self.force / t - 12 * FIBRES[fibre] / t**2 * self.moment)
+        height = FIBRES[fibre]
+        t = np.asarray(self.thickness)[..., None, None]
+        found = np.asarray(self.force / t - 12 * height / t**2 * self.moment)
+        number, materials = self._constants.material_of_facets(len(self.area))
+        for position, material in enumerate(materials):
+            if isinstance(material, Laminate):  # whose layers do not share forces and moments evenly
+                at = number == position
+                strain = self.strain[..., at, :, :] - height * material.thickness * self.curvature[..., at, :, :]
+                found[..., at, :, :] = _tensor(_components(strain) @ material.elasticity(height))
+        return found
 
     def by_plate_theory(self) -> SheetStress:
         """The stress that plate theory makes of strain and curvature, whatever the elements bear.
@@ -110,13 +129,9 @@ class SheetStress:
         For rungs of bars and hinges, whose own stress has their Poisson ratios and the pattern of their mesh; energies
         are those of a plate with uniform strain and curvature in each facet.
         """
-        E, nu, t = self.material.E, self.material.nu, self.thickness
-
-        def law(tensor: Floats) -> Floats:
-            trace = tensor[..., 0, 0] + tensor[..., 1, 1]
-            return E / (1 - nu**2) * ((1 - nu) * tensor + nu * trace[..., None, None] * np.eye(2))
-
-        force, moment = t * law(self.strain), t**3 / 12 * law(self.curvature)
+        felt = np.concatenate([_components(self.strain), _components(self.curvature)], axis=-1)
+        borne = np.einsum("mab,...mb->...ma", self.sections, felt)
+        force, moment = _tensor(borne[..., :3]), _tensor(borne[..., 3:])
         stretching = 0.5 * self.area * (force * self.strain).sum(axis=(-2, -1))
         bending = 0.5 * self.area * (moment * self.curvature).sum(axis=(-2, -1))
         return replace(self, force=force, moment=moment, membrane_energy=stretching, bending_energy=bending)
@@ -147,8 +162,19 @@ class SheetStress:
         return np.asarray(np.where(total > 0, membrane / np.where(total > 0, total, 1.0), 0.0))
 
 
+def _components(tensor: Floats) -> Floats:
+    """(xx, yy, 2 xy) of symmetric tensors (..., 2, 2)."""
+    return np.stack([tensor[..., 0, 0], tensor[..., 1, 1], 2 * tensor[..., 0, 1]], axis=-1)
+
+
+def _tensor(components: Floats) -> Floats:
+    """Symmetric tensors (..., 2, 2) of (xx, yy, xy)."""
+    xx, yy, xy = np.moveaxis(components, -1, 0)
+    return np.stack([np.stack([xx, xy], axis=-1), np.stack([xy, yy], axis=-1)], axis=-2)
+
+
 def sheet_stress(
-    results: Results, step: int | None = None, thickness: float | None = None, material: Material | None = None
+    results: Results, step: int | None = None, thickness: float | None = None, material: SheetMaterial | None = None
 ) -> SheetStress:
     """Stress of every facet of a sheet.
 
@@ -179,18 +205,16 @@ def sheet_stress(
 
     require_instance(results, Results, "results", "stress")
     thickness = None if thickness is None else require_positive(thickness, "thickness", "stress")
-    material = None if material is None else require_instance(material, Material, "material", "stress")
+    material = None if material is None else require_instance(material, SheetMaterial, "material", "stress")
     step = None if step is None else require_whole(step, "step", "stress")
     mesh = results.mesh
     if mesh is None:
         raise AnalysisError("stress needs a model made by Model.from_mesh", results=results)
     check_flat(mesh, "stress")
-    thickness = results.thickness if thickness is None else require_positive(thickness, "thickness", "stress")
-    material = results.material if material is None else material
-    if thickness is None or material is None:
-        raise ModelError(f"stress: the {'thickness' if thickness is None else 'material'} is unknown: give it")
-    if not isinstance(material, Material):
-        raise ModelError(f"stress: material must be a Material, got {material!r}")
+    height = results.thickness if thickness is None else thickness
+    made_of = results.material if material is None else material
+    if height is None or made_of is None:
+        raise ModelError(f"stress: the {'thickness' if height is None else 'material'} is unknown: give it")
     step = None if step is None else results.step_number(step, "stress")
     chosen = results.steps if step is None else [results.steps[step]]
     reader = StateReader(results, mesh)
@@ -201,7 +225,7 @@ def sheet_stress(
         parts = {name: values[0] for name, values in parts.items()}
     elif not states:
         parts = {name: np.zeros((0, len(mesh.triangles), *(() if "energy" in name else (2, 2)))) for name in names}
-    return SheetStress(**parts, area=reader.area, thickness=float(thickness), material=material)
+    return SheetStress(**parts, area=reader.area, thickness=height, material=made_of)
 
 
 def checked_values(stress: SheetStress, kind: Any, fibre: str) -> tuple[Floats, str]:
@@ -220,7 +244,7 @@ def plot_stress(
     kind: str = "largest",
     fibre: str = "top",
     thickness: float | None = None,
-    material: Material | None = None,
+    material: SheetMaterial | None = None,
     **options: Any,
 ) -> Any:
     """Draw the deformed sheet, coloured by stress.

@@ -6,6 +6,7 @@ import os
 from collections.abc import Sequence
 from concurrent.futures import Executor
 
+import numpy as np
 from numpy.typing import ArrayLike
 
 from kirigami.analysis.modes import Mode
@@ -81,5 +82,5 @@ def branches(
     require_instance(model, Model, "model", "branches")
     amplitudes = None if amplitude is None else [amplitude]
     if amplitudes is None and model.sheet_constants is not None:
-        amplitudes = [SHARE * model.sheet_constants.thickness]
+        amplitudes = [SHARE * float(np.min(model.sheet_constants.thickness))]
     return imperfections(model, modes, amplitudes, analysis, (1, -1), mirrors, alike, folder, executor)

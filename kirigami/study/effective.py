@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from kirigami.elements.mesh_bias import free_compliance, stress_along
 from kirigami.elements.shell_geometry import GAUSS
-from kirigami.elements.stiffness import Calibration, SheetConstants
+from kirigami.elements.stiffness import Calibration
 from kirigami.errors import KirigamiWarning, ModelError
 from kirigami.model.model import Model
 from kirigami.primitives.checks import require_instance
@@ -158,12 +158,16 @@ def report(
     require_instance(mesh, TriMesh, "mesh", "stiffness.report")
     if np.ptp(mesh.nodes[:, 2]) > FLAT * mesh.size:
         raise ModelError("stiffness.report: the mesh is not flat; give it the mesh before folding or perturbing it")
-    flat = TriMesh(mesh.nodes, mesh.triangles, thickness=mesh.thickness, material=mesh.material)
+    flat = TriMesh(
+        mesh.nodes, mesh.triangles, thickness=mesh.thickness, material=mesh.material, regions=mesh.regions
+    )
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", KirigamiWarning)  # whoever asks for the numbers is warned
         model = Model.from_mesh(flat, thickness, material, stiffness)
     constants = model.sheet_constants
     assert constants is not None
+    if not isinstance(constants.material, Material) or not isinstance(constants.thickness, float):
+        raise ModelError("stiffness.report compares with one isotropic material of one thickness: give it these")
     system = System(model)
     matrix = system.stiffness(constrained=False)
     membrane, bending = _fields(system, flat)
@@ -175,20 +179,15 @@ def report(
         inside = np.setdiff1d(inside, beside)
     _relax(matrix, bending, _bending_motions(system, inside))
     name = stiffness if isinstance(stiffness, str) else repr(stiffness)
+    scale = constants.calibration.F_s * constants.material.E * constants.thickness
     return EffectiveProperties(
         _per_area(system, flat, membrane, whole=True),
         _per_area(system, flat, bending, whole=False),
         constants.thickness,
         constants.material,
         name,
-        None if constants.rung in PLATES else _free(flat, constants),
+        None if constants.rung in PLATES else free_compliance(flat) / scale,
     )
-
-
-def _free(mesh: TriMesh, constants: SheetConstants) -> Array:
-    """Mean strain of bars by forces per length where all edges are free."""
-    scale = constants.calibration.F_s * constants.material.E * constants.thickness
-    return free_compliance(mesh) / scale
 
 
 def _fields(system: System, mesh: TriMesh) -> tuple[Array, Array]:

@@ -220,15 +220,13 @@ def estimate_error(results: Results, step: int = -1) -> ErrorEstimate:
 
 def _jumps(stress: SheetStress, mesh: TriMesh) -> tuple[Floats, Floats]:
     """Energies (m,) of what lies between facets and smoothed strain, and between facets and smoothed curvature."""
-    E, nu, t = stress.material.E, stress.material.nu, stress.thickness
-    stretching, bending = E * t / (1 - nu**2), E * t**3 / (12 * (1 - nu**2))
+    sections = stress.sections
     found = []
-    for tensor, rigidity in ((stress.strain, stretching), (stress.curvature, bending)):
-        flat = np.stack([tensor[:, 0, 0], tensor[:, 1, 1], tensor[:, 0, 1]], axis=1)
+    for tensor, rigidity in ((stress.strain, sections[:, :3, :3]), (stress.curvature, sections[:, 3:, 3:])):
+        flat = np.stack([tensor[:, 0, 0], tensor[:, 1, 1], 2 * tensor[:, 0, 1]], axis=1)
         corners = _interpolated(mesh.nodal_mean(flat), mesh)
         middles = 0.5 * (corners + corners[:, [1, 2, 0]]) - flat[:, None]  # exact quadrature of a square
-        xx, yy, xy = np.moveaxis(middles, -1, 0)
-        density = 0.5 * rigidity * (xx**2 + yy**2 + 2 * nu * xx * yy + 2 * (1 - nu) * xy**2)
+        density = 0.5 * np.einsum("mki,mij,mkj->mk", middles, rigidity, middles)
         found.append(mesh.facet_areas * density.mean(axis=1))
     return found[0], found[1]
 

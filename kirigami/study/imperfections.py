@@ -313,7 +313,8 @@ def imperfections(
     if amplitudes is None:
         if model.sheet_constants is None:
             raise ModelError("imperfections: give amplitudes; only sheets have a thickness to measure them by")
-        amplitudes = [share * model.sheet_constants.thickness for share in (SHARE, 0.1 * SHARE, 0.01 * SHARE)]
+        thinnest = float(np.min(model.sheet_constants.thickness))
+        amplitudes = [share * thinnest for share in (SHARE, 0.1 * SHARE, 0.01 * SHARE)]
     listed = require_items(amplitudes, "amplitudes", "imperfections")
     sizes = [require_positive(a, "amplitude", "imperfections") for a in listed]
     signs = [require_whole(sign, "signs", "imperfections") for sign in signs]

@@ -24,7 +24,7 @@ from kirigami.primitives.checks import (
     require_whole,
 )
 from kirigami.primitives.kernel import Array
-from kirigami.primitives.material import Material
+from kirigami.primitives.material import SheetMaterial, uniaxial_stiffness
 from kirigami.primitives.node import Node
 from kirigami.results.results import Results
 from kirigami.study.grips import Grips, find_grips
@@ -55,7 +55,7 @@ def stretch(
     accuracy: str = "standard",
     *,
     thickness: float | None = None,
-    material: Material | None = None,
+    material: SheetMaterial | None = None,
     cycle: bool = False,
     grip: float | None = None,
     nodes: int | None = None,
@@ -188,7 +188,7 @@ def _level(accuracy: str) -> Level:
 
 
 def _checked(
-    sheet: Sheet, strain: Any, thickness: float | None, material: Material | None
+    sheet: Sheet, strain: Any, thickness: float | None, material: SheetMaterial | None
 ) -> tuple[Sheet, float]:
     """The sheet with its thickness and material, and the strain."""
     if not isinstance(sheet, Sheet):
@@ -202,11 +202,13 @@ def _checked(
         raise ModelError(f"stretch: a strain of {100 * strain:.6g} % would push one grip through the other")
     thickness = sheet.thickness if thickness is None else thickness
     material = sheet.material if material is None else material
+    if isinstance(material, SheetMaterial):
+        thickness = material.checked_thickness(thickness, "stretch")
     if thickness is None or material is None:
         missing = "thickness" if thickness is None else "material"
         raise ModelError(f"stretch: the sheet has no {missing}: give one to the Sheet or to stretch")
     thickness = require_positive(thickness, "thickness", "stretch")
-    return Sheet(sheet.outline, sheet.cuts, thickness, material), strain
+    return Sheet(sheet.outline, sheet.cuts, thickness, material, sheet.regions), strain
 
 
 def default_mesh(sheet: Sheet, grips: Grips, nodes: int | None, max_edge: float | None) -> TriMesh:
@@ -231,10 +233,12 @@ def _short_of(error: ConvergenceError, strain: float, cycle: bool) -> Convergenc
 
 
 def material_strain(results: Results, sheet: Sheet) -> Array:
-    """Mean strain of the material (s,), sqrt(2 U / (E V)) with U the stored energy and V the volume of the sheet."""
+    """Mean strain of the material (s,), sqrt(2 U / (E V)) with U the stored energy and V the volume of the sheet; of
+    one that is not isotropic in the stiffer direction."""
     assert sheet.material is not None and sheet.thickness is not None
     energy = np.sum(list(results.energy.values()), axis=0)
-    strain: Array = np.sqrt(np.maximum(2 * energy / (sheet.material.E * sheet.thickness * sheet.area), 0.0))
+    stiffness = uniaxial_stiffness(sheet.material.section(sheet.thickness))
+    strain: Array = np.sqrt(np.maximum(2 * energy / (stiffness * sheet.area), 0.0))
     return strain
 
 

@@ -21,7 +21,7 @@ NOT_CALLED: dict[str, str] = {
     ),
     **dict.fromkeys(
         """Kernel Kernel.* *.lower *.reserve Bar.held Contribution Tangent displacement_of ModelObject
-        Numbering*""".split(),
+        Numbering* stiffness.SheetConstants.* *.elasticity Laminate.section Laminate.checked_thickness""".split(),
         CONTRACT,
     ),
     **dict.fromkeys(("*Error", "*Warning"), ERRORS),

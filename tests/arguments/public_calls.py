@@ -176,6 +176,11 @@ def kernel() -> kg.Kernel:
 
 CALLS: dict[str, Callable[[], Call]] = {
     "Material": lambda: (kg.Material, {"E": 1.0, "nu": 0.3, "density": 1.0}),
+    "Orthotropic": lambda: (
+        kg.Orthotropic,
+        {"E1": 2.0, "E2": 1.0, "nu12": 0.3, "G12": 0.5, "angle": 0.1, "density": 1.0},
+    ),
+    "Laminate": lambda: (kg.Laminate, {"layers": [(STEEL, 0.1)]}),
     "Node": lambda: (kg.Node, {"x": 0.0, "y": 0.0, "z": 0.0, "name": "a"}),
     "Model": lambda: (kg.Model, {"dim": 3, "name": "a"}),
     "Model.add": lambda: (truss().add, {"*items": [kg.Node(3, 3)]}),
