@@ -184,3 +184,30 @@ def test_laminates_are_saved(tmp_path):
     again = kg.load(results.save(tmp_path / "results.npz"))
     assert again.material == pair == again.mesh.material
     np.testing.assert_allclose(again.stress(-1).tensor("bottom"), results.stress(-1).tensor("bottom"))
+
+
+@pytest.mark.filterwarnings("ignore:the mesh is biased", "ignore:bars lose stiffness")
+@pytest.mark.parametrize("rung", ["plate", "facet", "shell"])
+def test_varied_sheets_are_the_same_however_they_are_stated(rung):
+    """Facets in another order, nodes in another, millimetres and kilonewtons: no two facets are alike."""
+    base = kg.Sheet(BOX).mesh(0.6)
+    count = len(base.triangles)
+    share, stiff = np.linspace(1.0, 2.0, count), np.linspace(2.0, 1.0, count)
+    random = np.random.default_rng(1)
+    found = []
+    for shuffled, length, force in ((False, 1.0, 1.0), (True, 1.0, 1.0), (False, 1e3, 1e-3)):
+        order = random.permutation(count) if shuffled else np.arange(count)
+        place = random.permutation(len(base.nodes)) if shuffled else np.arange(len(base.nodes))
+        new = np.argsort(place)
+        mesh = kg.TriMesh(base.nodes[place] * length, new[base.triangles[order]])
+        materials = [kg.Material(1e6 * E * force / length**2, 0.3) for E in stiff[order].tolist()]
+        model = kg.Model.from_mesh(mesh, 0.02 * share[order] * length, materials, rung)
+        model.add(kg.Fix(model.select(boundary="left"), clamp=True))
+        model.add(kg.NodalLoad(model.select(boundary="right"), np.array([0, 0, 1e-2]) * force))
+        results = kg.LoadControl(model, step=0.5).run()
+        assert len(results) == 3
+        stress = results.stress(-1).tensor("top")
+        found.append((results.u[-1][new] / length, stress[np.argsort(order)] * length**2 / force))
+    for u, stress in found[1:]:
+        np.testing.assert_allclose(u, found[0][0], atol=1e-8)
+        np.testing.assert_allclose(stress, found[0][1], atol=1e-5 * np.abs(stress).max())

@@ -8,11 +8,11 @@ from typing import Any
 
 import numpy as np
 from changes import Change
-from structures import BUILT, PLANE, SHEETS, STRUCTURES, VARIED
+from structures import BUILT, PLANE, SHEETS, STRUCTURES
 
 import kirigami as kg
 
-SHEET_NAMES = {*SHEETS, *VARIED, *PLANE}
+SHEET_NAMES = {*SHEETS, *PLANE}
 
 
 @dataclass(frozen=True)

@@ -30,8 +30,7 @@ def drawn() -> tuple[np.ndarray, np.ndarray]:
     return points, np.array(facets)
 
 
-def sheet(rung: str, dim: int, change: Change, drive: float = 1.0, varied: bool = False) -> kg.Model:
-    """The sheet; `varied` with a thickness and a modulus for each facet, no two alike."""
+def sheet(rung: str, dim: int, change: Change, drive: float = 1.0) -> kg.Model:
     points, facets = drawn()
     order = change.order(len(points))
     new = np.argsort(order)  # where each old node stands now
@@ -40,12 +39,7 @@ def sheet(rung: str, dim: int, change: Change, drive: float = 1.0, varied: bool 
         facets = facets[:, [0, 2, 1]]
     material = kg.Material(E=E * change.force / change.length**2, nu=NU, density=DENSITY)
     mesh = kg.TriMesh(change.places(points)[order][:, : 2 if change.flat else 3], facets)
-    thickness = THICKNESS * change.length
-    if varied:
-        share = np.linspace(1.0, 1.5, len(facets))[change.order(len(facets))]
-        thickness = share * thickness
-        material = [kg.Material(E=factor * material.E, nu=NU, density=DENSITY) for factor in share[::-1].tolist()]
-    m = kg.Model.from_mesh(mesh, thickness, material, rung, dim=dim)
+    m = kg.Model.from_mesh(mesh, THICKNESS * change.length, material, rung, dim=dim)
     at = [m.nodes[k] for k in new]
     hold = "xyz"[:dim]
     move = change.places(drive * np.array([0.02, 0.03, 0.1 if dim == 3 else 0.0]))
@@ -133,17 +127,13 @@ def serves_plane(rung: str) -> bool:
 SHEETS: dict[str, Callable[[Change, float], kg.Model]] = {
     rung: lambda change, drive=1.0, rung=rung: sheet(rung, 3, change, drive) for rung in RUNGS
 }
-VARIED: dict[str, Callable[[Change, float], kg.Model]] = {
-    f"{rung}, varied": lambda change, drive=1.0, rung=rung: sheet(rung, 3, change, drive, varied=True)
-    for rung in RUNGS
-}
 PLANE: dict[str, Callable[[Change, float], kg.Model]] = {
     f"{rung} in the plane": lambda change, drive=1.0, rung=rung: sheet(rung, 2, change, drive)
     for rung in RUNGS
     if serves_plane(rung)
 }
 BUILT = {"truss": TRUSS, "tower": TOWER, "hinged strip": STRIP, "chain of springs": CHAIN}
-STRUCTURES = SHEETS | VARIED | PLANE | BUILT
+STRUCTURES = SHEETS | PLANE | BUILT
 PLANAR = {*PLANE, "truss", "chain of springs"}
 
 

@@ -1,4 +1,4 @@
-"""Orthotropic sheets, laminates and sheets whose thickness varies, against classical lamination theory and closed forms.
+"""Orthotropic sheets, laminates and varying thickness against classical lamination theory and closed forms.
 
 Jones, Mechanics of Composite Materials (1999), chapters 2 and 4.
 """
