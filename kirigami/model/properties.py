@@ -138,6 +138,8 @@ def _thickness(
 
 def _by_region(mesh: TriMesh, given: Mapping[Any, Any], what: str, owner: str) -> list[tuple[Any, Index]]:
     """Facets of the regions named, and behind None those in none of them, first."""
+    if not given:
+        raise ModelError(f"{owner}: {what} must be given for a region at least, got an empty mapping")
     taken = np.full(len(mesh.triangles), -1)
     names = [name for name in given if name is not None]
     found: list[tuple[Any, Index]] = []

@@ -208,7 +208,7 @@ def _checked(
         missing = "thickness" if thickness is None else "material"
         raise ModelError(f"stretch: the sheet has no {missing}: give one to the Sheet or to stretch")
     thickness = require_positive(thickness, "thickness", "stretch")
-    return Sheet(sheet.outline, sheet.cuts, thickness, material, sheet.regions), strain
+    return Sheet(sheet.outline, sheet.cuts, thickness, material, sheet.folds, sheet.regions), strain
 
 
 def default_mesh(sheet: Sheet, grips: Grips, nodes: int | None, max_edge: float | None) -> TriMesh:
