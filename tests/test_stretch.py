@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -10,6 +11,7 @@ import shapely
 from shapely.affinity import rotate, scale
 
 import kirigami as kg
+from kirigami.drawing.drawing import Drawing
 
 MYLAR = kg.Material(E=3.5e9, nu=1 / 3)
 FLAT = {"accuracy": "draft", "amplitude": 0.0}
@@ -177,3 +179,29 @@ def test_what_is_missing_is_named() -> None:
         kg.stretch("plate.dxf")  # type: ignore[arg-type]
     res = kg.stretch(bare, 1e-4, thickness=1e-4, material=MYLAR, nodes=100, **FLAT)
     assert force(res)[-1] > 0 and bare.thickness is None
+
+
+def test_which_shape_the_pull_led_to_is_told(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """In the summary, the report, the page and the file; the end of the pull is one of the shapes that are known."""
+    from kirigami.study import shapes as search
+
+    monkeypatch.setitem(search.__kwdefaults__, "trials", 6)
+    monkeypatch.setitem(search.__kwdefaults__, "most", 1)
+    monkeypatch.setitem(search.__kwdefaults__, "followed", 0)
+    drawing = Drawing(shapely.box(0, 0, 0.06, 0.1), tuple(two_slits().cuts), ())
+    report = kg.study.stretch_drawing(
+        drawing, thickness=2e-4, E=3.5e9, strain=0.05, accuracy="draft", nodes=120, shapes=True
+    )
+    res = report.results
+    assert any(shape.reached_by == "given" for shape in res.shapes) and res.shapes.which(res[-1]) is not None
+    assert res.shape_words and all(words in res.summary() and words in report.text() for words in res.shape_words)
+    shape = report.numbers["shape"]
+    assert report.numbers["shape_energies"][shape - 1] == pytest.approx(report.results.shapes[shape - 1].energy)
+    assert report.numbers["shape_forces"][shape - 1] == pytest.approx(report.force[-1], rel=1e-6)
+    names = [file.name for file in kg.study.write_report(report, tmp_path, say=lambda words: None)]
+    assert "shapes.csv" in names and "shapes.png" in names
+    loaded = kg.load(tmp_path / "results.npz")
+    assert loaded.shape_words == res.shape_words and loaded.shapes is None
+    if "page.html" in names:
+        assert res.shape_words[0] in (tmp_path / "page.html").read_text(encoding="utf-8")
+    assert not kg.stretch(two_slits(), strain=1e-3, nodes=60, **FLAT).shape_words

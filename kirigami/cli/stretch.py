@@ -92,6 +92,12 @@ def add(commands: Any) -> None:
     work.add_argument(
         "--seed", type=int, default=0, metavar="N", help="of the imperfection (default: %(default)s)"
     )
+    work.add_argument(
+        "--shapes",
+        action="store_true",
+        help="also look which other shapes the sheet can take at the whole strain, and say which one this is: "
+        "shapes.csv, shapes.png; some minutes more",
+    )
     work.add_argument("--folder", type=Path, help="where to write (default: ./NAME-stretched)")
     add_reading(parser)
 
@@ -123,6 +129,7 @@ def run(options: argparse.Namespace) -> int:
             stiffness=options.stiffness,
             imperfection=options.imperfection,
             seed=options.seed,
+            shapes=options.shapes,
             progress=not options.quiet,
             say=lambda note: say(f"  {note}"),
             **reading(options),

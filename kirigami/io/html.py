@@ -87,7 +87,7 @@ def to_html(
     heading = require_text(title, "title", "to_html") if title is not None else results.name or "kirigami"
     shown = np.unique(np.linspace(0, len(results) - 1, min(frames, len(results))).round().astype(int))
     head, body = _contents(results, shown)
-    head["title"] = heading
+    head["title"], head["told"] = heading, results.shape_words
     head["curves"] = {
         TITLES.get(name, name.replace("_", " ")): [value if np.isfinite(value) else None for value in values.tolist()]
         for name, values in curves(results, reactions).items()

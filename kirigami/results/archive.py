@@ -109,6 +109,7 @@ def pack(results: Results, with_kernels: bool = True) -> dict[str, Any]:
         "supports": [[s.name, s.kind, s.dofs, s.constant, s.clamp] for s in results.supports],
         "sheet": _sheet_words(results.sheet_constants),
         "grips": list(results.grip_nodes),
+        "shapes": results.shape_words,
     }
     for position, support in enumerate(results.supports):
         arrays[f"support{position}.nodes"], arrays[f"support{position}.leaders"] = support.nodes, support.leaders
@@ -275,6 +276,7 @@ def _rebuild(head: dict[str, Any], data: dict[str, Any]) -> Results:
     results.supports = _supports(head, data)
     results.sheet_constants = _sheet(head.get("sheet"))
     results.mesh = None
+    results.shapes, results.shape_words = None, list(head.get("shapes", ()))
     results.grip_nodes = {name: data[f"grip{position}"] for position, name in enumerate(head.get("grips", ()))}
     results.kernels = []
     results.inner_rest = data.get("inner_rest", np.zeros((0, results.dim)))

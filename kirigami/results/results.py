@@ -42,6 +42,10 @@ class Results(ModelRecord):
         "iterations", "factorizations", "steps", "cutbacks", "relaxations", "backend", and "seconds" per part.
     grip_nodes : dict of str to ndarray of int
         Indices of the nodes of the grips, where there are some.
+    shapes : ShapeStudy or None
+        The other shapes at the end, where they were looked for; not kept in files.
+    shape_words : list of str
+        Which of the known shapes the end is, where they were looked for.
 
     Examples
     --------
@@ -67,6 +71,8 @@ class Results(ModelRecord):
         self.constrained = system.constrained
         self.linear = linear
         self.grip_nodes: dict[str, NDArray[np.int64]] = {}
+        self.shapes: Any = None
+        self.shape_words: list[str] = []
 
     def __setstate__(self, state: dict[str, Any]) -> None:
         """A copy has lists of its own."""
@@ -440,7 +446,7 @@ class Results(ModelRecord):
             f"{stats['iterations']} iterations, {stats['factorizations']} factorizations "
             f"({stats['backend'] or 'none'}), {stats['cutbacks']} cutbacks, {stats['relaxations']} relaxations"
         )
-        lines += [f"event: {event}" for event in self.events]
+        lines += [f"event: {event}" for event in self.events] + self.shape_words
         seconds = stats["seconds"]
         total = seconds.get("total", sum(seconds.values()))
         parts = sorted(((name, value) for name, value in seconds.items() if name != "total"), key=lambda p: -p[1])

@@ -101,6 +101,7 @@ class Report:
             "largest_residual": float(np.nanmax(results.residual)),
             "factorizations": int(results.stats["factorizations"]),
             "seconds": float(results.stats["seconds"].get("total", 0.0)),
+            **({} if results.shapes is None else _shapes_in_numbers(results)),
         }
 
     def text(self) -> str:
@@ -122,6 +123,7 @@ class Report:
                 f"{n['factorizations']} factorizations, {n['seconds']:.1f} s"
             ),
         ]
+        lines += self.results.shape_words
         if not self.complete:
             lines.append(
                 f"the path ended at {100 * self.results.lam[-1]:.3g} % of the way, at a strain of "
@@ -146,6 +148,7 @@ def stretch_drawing(
     stiffness: str | Calibration | None = None,
     imperfection: float | str | None = None,
     seed: int = 0,
+    shapes: bool = False,
     progress: bool = False,
     say: Callable[[str], None] = lambda note: None,
     **reading: Any,
@@ -164,7 +167,7 @@ def stretch_drawing(
         Poisson's ratio.
     strain : float or str
         Grip displacement over the free length between the grips, to be reached; negative to push.
-    direction, accuracy, cycle, nodes, stiffness, seed, progress
+    direction, accuracy, cycle, nodes, stiffness, seed, shapes, progress
         As for :func:`kirigami.stretch`.
     grip : float or str, optional
         Length of the strip held at each end [m]; 0 holds the edges alone. None takes 0 where the ends are straight,
@@ -235,7 +238,7 @@ def stretch_drawing(
         results = stretch(
             sheet, wanted, direction, accuracy, cycle=cycle, grip=_length(grip), nodes=nodes,
             max_edge=_length(max_edge), stiffness=stiffness, amplitude=_length(imperfection),
-            seed=seed, progress=progress, say=note,
+            seed=seed, shapes=shapes, progress=progress, say=note,
         )  # fmt: skip
     except ConvergenceError as error:
         results = error.results
@@ -246,6 +249,17 @@ def stretch_drawing(
     for event in results.events:
         note(str(event))
     return Report(results, grips, wanted, cycle, tuple(notes))
+
+
+def _shapes_in_numbers(results: Results) -> dict[str, Any]:
+    """Which of the known shapes the end is, and what they need; number 0 for none of them."""
+    study = results.shapes
+    shape = study.which(results.steps[int(np.abs(results.lam).argmax())])
+    return {
+        "shape": 0 if shape is None else shape.number,
+        "shape_energies": [one.energy for one in study],
+        "shape_forces": [one.force for one in study],
+    }
 
 
 def _length(value: float | str | None) -> float | None:
@@ -261,7 +275,8 @@ def write_report(report: Report, folder: str | os.PathLike[str], say: Callable[[
     """Write all files of a stretched drawing into a folder; parts whose library is missing are skipped with a word.
 
     ``report.json``, ``curves.csv``, ``results.npz``, ``rest.png``, ``deformed.png``, ``above.png``, ``force.png``,
-    ``opening.png`` of a sheet with cuts, ``page.html``, and ``vtk/`` for ParaView.
+    ``opening.png`` of a sheet with cuts, ``page.html``, and ``vtk/`` for ParaView; ``shapes.csv`` and ``shapes.png``
+    where other shapes were looked for.
 
     Parameters
     ----------
@@ -293,6 +308,11 @@ def write_report(report: Report, folder: str | os.PathLike[str], say: Callable[[
     to_csv(results, files[1])
     results.save(files[2])
     files += write_pictures(report, target)
+    if results.shapes is not None:
+        results.shapes.table(target / "shapes.csv")
+        with whole_file(target / "shapes.png") as unfinished:
+            results.shapes.plot().savefig(unfinished, dpi=160)
+        files += [target / "shapes.csv", target / "shapes.png"]
 
     def page() -> list[Path]:
         from kirigami.io.html import to_html

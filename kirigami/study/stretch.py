@@ -11,7 +11,7 @@ import numpy as np
 
 from kirigami.analysis.path.methods import DisplacementControl
 from kirigami.elements.stiffness import Calibration
-from kirigami.errors import ConvergenceError, KirigamiWarning, ModelError
+from kirigami.errors import ConvergenceError, KirigamiError, KirigamiWarning, ModelError
 from kirigami.geometry.mesh import TriMesh
 from kirigami.geometry.sheet import Sheet
 from kirigami.model.model import Model
@@ -63,6 +63,7 @@ def stretch(
     stiffness: str | Calibration | None = None,
     amplitude: float | None = None,
     seed: int = 0,
+    shapes: bool = False,
     progress: bool = False,
     say: Callable[[str], None] | None = None,
 ) -> Results:
@@ -101,6 +102,9 @@ def stretch(
         flat, None takes what that takes.
     seed : int
         Of the imperfection: another number is another field.
+    shapes : bool
+        Also look which other shapes the sheet can take at the whole strain, see :func:`kirigami.study.shapes`: the
+        study is in ``results.shapes``, and ``results.summary()`` says which of them the pull led to. Some minutes more.
     progress : bool
         Show a progress bar.
     say : callable, optional
@@ -138,6 +142,7 @@ def stretch(
     """
     say = _in_silence if say is None else require_callable(say, "say", "stretch")
     require_boolean(cycle, "cycle", "stretch")
+    require_boolean(shapes, "shapes", "stretch")
     require_boolean(progress, "progress", "stretch")
     if nodes is not None:
         require_whole(nodes, "nodes", "stretch", least=1)
@@ -160,7 +165,23 @@ def stretch(
         raise _short_of(error, strain, cycle) from error
     results.grip_nodes = grip_nodes
     _warn_of_lock(results, sheet, strain)
+    if shapes and not any(event.kind == "interrupted" for event in results.events):
+        look_for_shapes(results, seed, progress, say)
     return results
+
+
+def look_for_shapes(results: Results, seed: int, progress: bool, say: Callable[[str], None]) -> None:
+    """Search for the shapes of a sheet at the furthest step of a pull, and note in the results which one that is."""
+    from kirigami.study.shapes import shapes
+
+    end = results.steps[int(np.abs(results.lam).argmax())]
+    say(f"looking for other shapes at load factor {end.lam:g}")
+    try:
+        results.shapes = shapes(results.model, at=end.lam, seed=seed, starts=[end], progress=progress)
+    except KirigamiError as error:  # the path is there all the same
+        warnings.warn(f"the search for other shapes failed: {error}", KirigamiWarning, stacklevel=3)
+        return
+    results.shape_words = results.shapes.words(end)
 
 
 def held_model(
