@@ -229,6 +229,12 @@ def test_what_is_called_a_bracket(values: tuple[float, ...], closing: bool, monk
     assert (band.low, band.high) == tuple(sorted((values[1], values[3])))
 
 
+def test_a_coarse_run_on_another_shape_closes_no_bracket() -> None:
+    """What two meshes say of convergence they say only on one shape: here two half waves and one."""
+    band = kg.study.bracket(lambda edge, _: squeezed(1 if edge < 0.035 else 2, edge), 0.03, stiffness=("plate", "facet"))
+    assert not band.same_shape and not band.closing and "different shapes" in str(band)
+
+
 def test_a_band_that_is_no_bracket_says_so() -> None:
     """In the plane both rungs of bars and facets are too stiff, and go the same way."""
     band = kg.study.bracket(beam, 0.02, stiffness=("plate", "facet"))

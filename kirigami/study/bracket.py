@@ -30,7 +30,7 @@ class Bracket:
         Whether both rungs move towards each other as the mesh gets finer, without having met: only then do they err to
         opposite sides, and the band holds the limit they share.
     same_shape : bool
-        Whether the runs on the finer mesh ended in the same shape.
+        Whether all four runs ended in the same shape.
 
     Examples
     --------
@@ -61,7 +61,7 @@ class Bracket:
         lines.append(f"{name} {self.value:.4g}, band {self.low:.4g} to {self.high:.4g} ({width})")
         first, second = self.runs[1].stiffness, self.runs[3].stiffness
         if not self.same_shape:
-            lines.append("this is no bracket: the two rungs end in different shapes, so they are on different branches")
+            lines.append("this is no bracket: the runs end in different shapes, so they are on different branches")
         elif self.closing:
             lines.append(
                 f"the band narrows from both sides as the mesh gets finer, so {first} and {second} err to opposite "
@@ -150,5 +150,5 @@ def bracket(
     low, high = sorted((first, second))
     gap, gap_coarse = first - second, first_coarse - second_coarse
     towards = (first_coarse - first) * gap_coarse > 0 > (second_coarse - second) * gap_coarse
-    same = shape_distance(runs[1].results, runs[3].results) <= ALIKE
-    return Bracket(runs, quantity, low, high, 0.5 * (low + high), bool(towards and gap * gap_coarse > 0), same)
+    same = all(shape_distance(runs[1].results, runs[k].results) <= ALIKE for k in (0, 2, 3))
+    return Bracket(runs, quantity, low, high, 0.5 * (low + high), bool(same and towards and gap * gap_coarse > 0), same)
