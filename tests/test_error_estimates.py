@@ -231,7 +231,8 @@ def test_what_is_called_a_bracket(values: tuple[float, ...], closing: bool, monk
 
 def test_a_coarse_run_on_another_shape_closes_no_bracket() -> None:
     """What two meshes say of convergence they say only on one shape: here two half waves and one."""
-    band = kg.study.bracket(lambda edge, _: squeezed(1 if edge < 0.035 else 2, edge), 0.03, stiffness=("plate", "facet"))
+    rungs = ("plate", "facet")
+    band = kg.study.bracket(lambda edge, _: squeezed(1 if edge < 0.035 else 2, edge), 0.03, stiffness=rungs)
     assert not band.same_shape and not band.closing and "different shapes" in str(band)
 
 
