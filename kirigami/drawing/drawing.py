@@ -171,7 +171,8 @@ def assemble(
     gap = _gap(tolerance, size, unit)
     raw = without_doubles(without_specks(kept, gap, said), gap, said)
     groups = _joined(raw, gap, said)
-    rim, holes = _found_rim(groups, raw, gap, measure, part, bounded_by_folds, said)
+    rim, hole_curves = _found_rim(groups, raw, gap, measure, part, bounded_by_folds, said)
+    holes = [_opening(curve) for curve in hole_curves]
 
     cuts = trimmed([curve for curve in rim.rest if curve.role != "fold"], rim.polygon, gap)
     cuts.inside, note = roles.settle(cuts.inside, rim.made_of)
@@ -217,6 +218,7 @@ def assemble(
         f"{counted(len(folds.inside), 'fold')}"
     )
     became = {number: "outline" for curve in rim.made_of for number in curve.numbers}
+    became |= {number: "hole" for curve in hole_curves for number in curve.numbers if number not in became}
     kept_cuts = [curve for curve in cuts.inside if curve not in in_vain]
     became |= {number: "cut" for curve in kept_cuts for number in curve.numbers if number not in became}
     became |= {number: "fold" for curve in folds.inside for number in curve.numbers if number not in became}
@@ -268,7 +270,7 @@ def _found_rim(
     part: int | None,
     bounded_by_folds: bool,
     said: list[str],
-) -> tuple[Rim, list[Any]]:
+) -> tuple[Rim, list[Curve]]:
     """The rim, with all other curves that are cuts or nothing yet, and the holes that belong to the outline."""
     loose, named = groups["loose"], groups["outline"]
     raw_loose = [curve for curve in raw if curve.role in ("cut", "")]
@@ -287,9 +289,9 @@ def _found_rim(
                 raise
             said.append("the outline is closed by cuts that meet it")
             loose = []
-        holes = [_opening(curve) for curve in rim.rest if curve.closed and curve.role == "outline"]
         covered = rim.polygon.buffer(gap)
-        holes = [hole for hole in holes if covered.covers(hole)]
+        inner = [curve for curve in rim.rest if curve.closed and curve.role == "outline"]
+        holes = [curve for curve in inner if covered.covers(_opening(curve))]
         own = [curve for curve in rim.rest if not (curve.closed and curve.role == "outline")]
         return Rim(rim.polygon, rim.made_of, [*own, *loose]), holes
     if not loose and bounded_by_folds:

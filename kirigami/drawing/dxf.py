@@ -104,7 +104,7 @@ def read_dxf(
     unseen = ", ".join(f"{number} on {why}" for why, number in reader.unseen.most_common())
     if not seen:
         other = ", ".join(f"{number} {kind}" for kind, number in reader.skipped.items()) or "nothing"
-        also = f"; not shown: {unseen}; name a layer to read it all the same" if unseen else ""
+        also = f"; not shown: {unseen}; `cuts={reader.hidden[0]!r}` reads that layer all the same" if unseen else ""
         raise GeometryError(f"{path} holds no curves in its model space (it holds {other}{also})")
     if unseen:
         notes.append(f"not shown and not read: {unseen}")

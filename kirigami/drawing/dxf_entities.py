@@ -46,6 +46,7 @@ class Reader:
         self.asked = asked
         self.skipped: Counter[str] = Counter()
         self.unseen: Counter[str] = Counter()
+        self.hidden: list[str] = []  # layers of what is not shown
 
     def curves(self, layout: Iterable[Any], block: Look | None = None, depth: int = 0) -> Iterator[Seen]:
         """Curves of a layout or block, blocks in it taken apart."""
@@ -56,11 +57,13 @@ class Reader:
             if kind in CURVES and not (kind == "POLYLINE" and (entity.is_poly_face_mesh or entity.is_polygon_mesh)):
                 if why and look.layer.casefold() not in self.asked and look.color not in self.asked:
                     self.unseen[why] += 1
+                    self.hidden.append(look.layer)
                 else:
                     yield Seen(entity, look)
             elif kind == "INSERT" and depth < NESTING:
                 if why.endswith(("frozen", "invisible")):  # an insert on a layer that is off shows its other layers
                     self.unseen[why] += 1
+                    self.hidden.append(look.layer)
                     continue
                 for placed in entity.multi_insert() if entity.mcount > 1 else [entity]:
                     yield from self.curves(placed.virtual_entities(), look, depth + 1)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import unicodedata
 from collections import Counter
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
@@ -13,17 +14,27 @@ from kirigami.primitives.checks import require_items, require_text
 
 Names = str | Iterable[str] | None
 
-# How words in the names of layers begin or end that say what a layer is for; the first row with a match wins.
+# How words in the names of layers begin or end that say what a layer is for; the first row with a match wins. Words as
+# they are used in English, German, French, Spanish, Italian, Portuguese and Dutch, without their accents.
 WORDS = (
     ("ignore", ("defpoints", "dim", "text", "note", "construction", "guide", "title", "legend", "bemassung", "hilfs",
-                "viewport", "annotation", "etch", "engrav", "gravur", "gravier", "raster")),
-    ("fold", ("fold", "folds", "crease", "creases", "score", "scoring", "mountain", "valley", "bend", "falz")),
+                "viewport", "annotation", "etch", "engrav", "gravur", "gravier", "raster", "extent", "extents",
+                "tangent", "gravure", "grabado", "incisione", "cotas", "cotes", "quote", "template", "vorlage")),
+    ("fold", ("fold", "folds", "crease", "creases", "score", "scoring", "mountain", "valley", "bend", "falz", "falt",
+              "falten", "biege", "biegung", "rill", "knick", "pliage", "pliegue", "pliegues", "plegado", "doblez",
+              "dobra", "vinco", "piega", "pieghe", "cordon", "vouw", "perfor")),
     ("outline", ("outline", "contour", "border", "boundary", "frame", "perimeter", "sheet", "umriss", "kontur",
-                 "profile", "profiles")),
-    ("cut", ("cut", "cuts", "cutting", "slit", "slits", "slot", "slots", "hole", "holes", "laser", "schnitt", "kerf")),
+                 "profile", "profiles", "contorno", "bordo", "perimetro", "omtrek")),
+    ("cut", ("cut", "cuts", "cutting", "slit", "slits", "slot", "slots", "hole", "holes", "laser", "schnitt",
+             "schnitte", "schneid", "kerf", "decoupe", "decoupes", "coupe", "corte", "cortes", "taglio", "tagli",
+             "snijd", "loch", "locher")),
     ("ignore", ("center", "centre", "centerline", "mittel", "mark", "marks", "marking", "registration")),
 )  # fmt: skip
-SIDES = ((1.0, ("valley", "vall", "tal", "talfalz")), (-1.0, ("mountain", "mount", "berg", "bergfalz")))
+EXACT = {"pli": "fold", "plis": "fold", "rand": "outline", "bord": "outline", "snij": "cut", "thrucut": "cut"}
+SIDES = (
+    (1.0, ("valley", "valleys", "tal", "talfalz", "talfalten", "vallee", "valle", "up")),
+    (-1.0, ("mountain", "mountains", "berg", "bergfalz", "bergfalten", "montagne", "montana", "monte", "down")),
+)
 # Words in the names of line types; folds are drawn in dashes, centre lines in long and short ones.
 LINE_TYPES = {"ignore": ("center", "centre", "mittel"), "fold": ("dash", "hidden", "phantom", "dot", "divide", "iso")}
 COLORS = {
@@ -125,10 +136,22 @@ class Roles:
             )
         odd = [curve for curve in lines if curve.color and curve.color not in known]
         if not known or not odd:
-            return list(inner), ""
+            return list(inner), self._other_layers(lines, inner)
         return list(inner), (
             f"{listing(odd)}: cut, though nothing says so and cuts have another colour; {proposal(odd, 'folds')} folds "
             f"there, {proposal(odd, 'ignore')} leaves them out"
+        )
+
+
+    def _other_layers(self, lines: Sequence[Curve], inner: Sequence[Curve]) -> str:
+        """A note on lines that are cut although they lie beside layers whose names say cut."""
+        named = {curve.layer for curve in inner if curve.role == "cut" and curve.layer}
+        odd = [curve for curve in lines if curve.layer and curve.layer not in named and not curve.role]
+        if not named or not odd or listed(self.cuts):
+            return ""
+        return (
+            f"{listing(odd)}: cut, though nothing says so and cuts have another layer; `folds={odd[0].layer!r}` folds "
+            f"there, `ignore={odd[0].layer!r}` leaves them out"
         )
 
 
@@ -158,7 +181,7 @@ def role_of_name(name: str) -> str:
     for role, words in WORDS:
         if any(token.startswith(word) or token.endswith(word) for token in tokens for word in words):
             return role
-    return ""
+    return next((EXACT[token] for token in tokens if token in EXACT), "")
 
 
 def side_of_name(name: str) -> float:
@@ -168,7 +191,9 @@ def side_of_name(name: str) -> float:
 
 
 def _tokens(name: str) -> list[str]:
-    return re.findall(r"[^\W\d_]+", re.sub(r"([a-z])([A-Z])", r"\1 \2", name).casefold())
+    """The words of a name, in small letters without accents."""
+    bare = "".join(letter for letter in unicodedata.normalize("NFKD", name) if not unicodedata.combining(letter))
+    return re.findall(r"[^\W\d_]+", re.sub(r"([a-z])([A-Z])", r"\1 \2", bare).casefold())
 
 
 def role_of_line_type(name: str) -> str:

@@ -19,7 +19,7 @@ from kirigami.drawing.curves import Curve, Floats, counted, flattened, scaled
 from kirigami.drawing.drawing import Drawing, assemble, layered
 from kirigami.drawing.roles import Names, Roles, role_of_name
 from kirigami.drawing.svg_paint import Canvas, clip_name, clip_shape, clipped, is_transparent, line_type
-from kirigami.drawing.svg_tree import CLIP, LINE, ORIGIN, read_tree, user_space
+from kirigami.drawing.svg_tree import CLIP, LINE, ORIGIN, read_tree, resolve_percentages, user_space
 from kirigami.errors import GeometryError, KirigamiWarning
 from kirigami.files import library, whole_file
 from kirigami.primitives.checks import require_between, require_choice, require_path
@@ -98,6 +98,7 @@ def read_svg(
     root, header = read_tree(path)
     notes = [f"{path.name}: SVG"]
     to_drawing = user_space(root, header, drawn_in, unit, notes)
+    resolve_percentages(root, *to_drawing.view)
     for name in ("width", "height", "viewBox", "preserveAspectRatio"):
         root.attrib.pop(name, None)  # sizes are worked out above: svgelements rounds millimetres to seven digits
     try:
@@ -106,14 +107,15 @@ def read_svg(
         raise GeometryError(f"{path} holds something that is not SVG: {error}") from None
     skipped: Counter[str] = Counter()
     roles = Roles(outline, cuts, folds, ignore)
-    found = list(_shapes(document, _Place(), skipped, elements, roles.names))
+    hidden: list[str] = []
+    found = list(_shapes(document, _Place(), skipped, elements, roles.names, hidden))
     clips = _clips(document, elements)
     if skipped:
         notes.append("not read: " + ", ".join(f"{number} {kind}" for kind, number in skipped.most_common()))
     boxes = np.array([box for *_, drawn in found if (box := drawn.bbox()) is not None], dtype=float)
     if not len(boxes):
         seen = ", ".join(f"{number} {kind}" for kind, number in skipped.items()) or "nothing"
-        hint = "; name a layer to read it all the same" if skipped[HIDDEN] else ""
+        hint = f"; `cuts={hidden[0]!r}` reads that layer all the same" if hidden else ""
         raise GeometryError(f"{path} holds no curves (it holds {seen}){hint}")
     distance = flatness * float((boxes[:, 2:].max(axis=0) - boxes[:, :2].min(axis=0)).max())
     curves, cut_off = [], 0
@@ -153,9 +155,18 @@ class _Place:
 
 
 def _shapes(
-    group: Any, place: _Place, skipped: Counter[str], elements: Any, asked: set[str], canvas: Canvas | None = None
+    group: Any,
+    place: _Place,
+    skipped: Counter[str],
+    elements: Any,
+    asked: set[str],
+    hidden: list[str],
+    canvas: Canvas | None = None,
 ) -> Iterator[tuple[Any, _Place, str, Any]]:
-    """Shapes that are shown, or asked for by name: each with its place, its colour and its path."""
+    """Shapes that are shown, or asked for by name: each with its place, its colour and its path.
+
+    What is not read is counted in `skipped`, and the layers of what is not shown are noted in `hidden`.
+    """
     canvas = canvas or Canvas()
     for item in group:
         values = item.values
@@ -165,7 +176,7 @@ def _shapes(
         if CLIP in own:
             continue
         if isinstance(item, list) and not isinstance(item, elements.Shape):
-            yield from _shapes(item, place.within(item, called[:2]), skipped, elements, asked, canvas)
+            yield from _shapes(item, place.within(item, called[:2]), skipped, elements, asked, hidden, canvas)
         elif isinstance(item, elements.Shape):
             here = replace(place.within(item, []), layer=_layer(list(place.names), called, asked))
             drawn = elements.Path(item).reify()  # as a path: svgelements turns mirrored circles into wrong ones
@@ -175,6 +186,8 @@ def _shapes(
                 yield item, here, color or "", drawn
             else:
                 skipped[HIDDEN] += 1
+                if here.layer:
+                    hidden.append(here.layer)
         elif kind in ("Text", "Image"):
             skipped[kind.lower()] += 1
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import copy
+import math
 import re
 import warnings
 from dataclasses import dataclass
@@ -19,6 +21,7 @@ from kirigami.units import METRES, metres_per
 VERSION = "{http://www.inkscape.org/namespaces/inkscape}version"
 LINE = "data-kirigami-line"
 ORIGIN = "data-kirigami-origin"  # "sheet": x and -y are coordinates of the sheet, whatever part of it the page shows
+MOST_SYMBOLS = 10_000
 CLIP = "data-kirigami-clip"  # marks the contents of a clip path, put where they are parsed but not drawn
 
 
@@ -53,25 +56,65 @@ def read_tree(path: Path) -> tuple[Any, str]:
     root = builder.close()
     if root.tag.rpartition("}")[2] != "svg":
         raise GeometryError(f"{path} is no SVG file: its first element is <{root.tag.rpartition('}')[2]}>")
-    _put_symbols_away(root, path)
+    _draw_symbols(root, path)
+    _put_symbols_away(root)
     return root, data[:4096].decode("utf-8", "replace")
 
 
-def _put_symbols_away(root: Any, path: Path) -> None:
+def _draw_symbols(root: Any, path: Path) -> None:
+    """Where a symbol with a view box is used, its contents are drawn in a viewport of their own: put that there."""
+    symbols = {
+        element.get("id"): element
+        for element in root.iter()
+        if isinstance(element.tag, str) and _kind(element) == "symbol" and "viewBox" in element.attrib
+    }
+    originals = {name: copy.deepcopy(symbol) for name, symbol in symbols.items()}
+    for symbol in symbols.values():  # they are drawn where they are used
+        symbol[:] = []
+    drawn = 0
+    while uses := [(use, name) for use in root.iter() if (name := _used_by(use)) in originals]:
+        drawn += len(uses)
+        if drawn > MOST_SYMBOLS:
+            raise GeometryError(f"{path} draws more than {MOST_SYMBOLS:,} symbols, or its symbols use one another")
+        for use, name in uses:
+            symbol = originals[name]
+            own = dict(use.attrib)
+            for key in [key for key in own if key.endswith("href")]:
+                del own[key]
+            window = ElementTree.Element(use.tag.replace("use", "svg"), {"viewBox": symbol.get("viewBox")})
+            for key in ("x", "y", "width", "height"):
+                value = own.pop(key, None) or (symbol.get(key) if key in ("width", "height") else None)
+                if value is not None:
+                    window.set(key, value)
+            if ratio := symbol.get("preserveAspectRatio"):
+                window.set("preserveAspectRatio", ratio)
+            window.extend(copy.deepcopy(list(symbol)))
+            use.tag = use.tag.replace("use", "g")
+            use.attrib.clear()
+            use.attrib.update(own)
+            use.append(window)
+
+
+def _kind(element: Any) -> str:
+    return str(element.tag.rpartition("}")[2]) if isinstance(element.tag, str) else ""
+
+
+def _used_by(element: Any) -> str:
+    """The name of what a <use> draws, or ""."""
+    if _kind(element) != "use":
+        return ""
+    return next((value.lstrip("#") for key, value in element.items() if key.endswith("href")), "")
+
+
+def _put_symbols_away(root: Any) -> None:
     """Symbols, masks, markers and patterns are drawn only where they are used: move them into definitions.
 
     svgelements leaves definitions alone. The contents of clip paths become groups of the root, marked and not drawn.
     """
-    used = {value.lstrip("#") for element in root.iter() for key, value in element.items() if key.endswith("href")}
     clips = []
     for parent in list(root.iter()):
         for position, child in enumerate(list(parent)):
-            kind = child.tag.rpartition("}")[2] if isinstance(child.tag, str) else ""
-            if kind == "symbol" and "viewBox" in child.attrib and child.get("id") in used:
-                raise GeometryError(
-                    f"{path}, line {child.get(LINE)}: a symbol with a viewBox is not understood; "
-                    "unlink the symbols of the drawing into plain paths"
-                )
+            kind = _kind(child)
             if kind in ("symbol", "mask", "marker", "pattern", "clipPath"):
                 definitions = ElementTree.Element(child.tag.replace(kind, "defs"))
                 parent[position] = definitions
@@ -85,6 +128,39 @@ def _put_symbols_away(root: Any, path: Path) -> None:
         root.append(clip)
 
 
+def resolve_percentages(element: Any, width: float, height: float) -> None:
+    """Put numbers in the place of percentages, which are of the viewport that an element is in."""
+    sizes = dict.fromkeys(("x", "x1", "x2", "cx", "rx", "width"), width)
+    sizes |= dict.fromkeys(("y", "y1", "y2", "cy", "ry", "height"), height)
+    sizes["r"] = math.hypot(width, height) / math.sqrt(2)
+    for child in element:
+        for name, size in sizes.items():
+            value = child.get(name, "").strip()
+            if value.endswith("%") and (share := _number(value[:-1])) is not None:
+                child.set(name, repr(0.01 * share * size))
+        inner = width, height
+        if _kind(child) == "svg":
+            view = _view_box(child)
+            own = [_number(child.get(name, "")) for name in ("width", "height")]
+            inner = (view[2], view[3]) if view else (own[0] or width, own[1] or height)
+        resolve_percentages(child, *inner)
+
+
+def _number(text: str) -> float | None:
+    try:
+        value = float(text)
+    except ValueError:
+        return None
+    return value if math.isfinite(value) else None
+
+
+def _view_box(element: Any) -> list[float]:
+    """The four numbers of a view box with an extent, or none."""
+    found = re.findall(r"[-+.\deE]+", element.get("viewBox", ""))
+    view = [value for text in found if (value := _number(text)) is not None]
+    return view if len(view) == 4 and view[2] > 0 and view[3] > 0 else []
+
+
 def user_space(root: Any, header: str, drawn_in: str | None, unit: str, notes: list[str]) -> UserSpace:
     """The way from user units to the wanted unit with y upwards."""
     per_inch = 96.0
@@ -92,13 +168,15 @@ def user_space(root: Any, header: str, drawn_in: str | None, unit: str, notes: l
         per_inch = 72.0
     elif re.match(r"0\.(4\d|91)", root.get(VERSION, "")):
         per_inch = 90.0
-    view = [float(value) for value in re.findall(r"[-+.\deE]+", root.get("viewBox", ""))]
+    view = _view_box(root)
     sizes = [_length(root.get(name, "")) for name in ("width", "height")]
-    if len(view) != 4 or view[2] <= 0 or view[3] <= 0:
+    if not view:
         # Without a view box a user unit is a pixel, and the page is as high as `height` says.
         value, name = sizes[1] or (0.0, "")
         pixels = value if name in ("", "px") else value * METRES[name] / METRES["in"] * per_inch
-        view, scales = [0.0, 0.0, 1.0, pixels], []
+        value, name = sizes[0] or (0.0, "")
+        across = value if name in ("", "px") else value * METRES[name] / METRES["in"] * per_inch
+        view, scales = [0.0, 0.0, across or pixels or 1.0, pixels], []
     else:
         found = [(size[0] / extent, size[1]) for size, extent in zip(sizes, view[2:]) if size]
         scales = [(scale / per_inch, "") if name in ("", "px") else (scale, name) for scale, name in found]
@@ -121,18 +199,19 @@ def user_space(root: Any, header: str, drawn_in: str | None, unit: str, notes: l
     if root.get(ORIGIN) == "sheet":
         left = bottom = 0.0
 
-    return UserSpace(left, bottom, per_unit, ratio, source if physical or drawn_in else "mm")
+    return UserSpace(left, bottom, per_unit, ratio, source if physical or drawn_in else "mm", (view[2], view[3]))
 
 
 @dataclass(frozen=True)
 class UserSpace:
-    """From user units to the wanted unit, with y upwards; `shown` is the unit of the drawing."""
+    """From user units to the wanted unit, with y upwards; `shown` is the unit of the drawing, `view` its page."""
 
     left: float
     bottom: float
     per_unit: float
     scale: float
     shown: str
+    view: tuple[float, float]
 
     @property
     def ratio(self) -> float:

@@ -157,8 +157,11 @@ def without_scrap(
         for number, k in enumerate(large[:8], start=1)
     )
     if len(large) > 1 and part is None:
-        text = f"the cuts sever the sheet into {len(large)} parts ({told}): shorten a cut, say that it is a fold, or "
-        return Whole(rim, list(slits), [], [text + "keep one part with `part=1`"])
+        doubtful = [slits[k] for k in touching if slits[k].role != "cut"]
+        names = sorted({name for slit in doubtful for name in [slit.layer or slit.color] if name})
+        option = " (" + ", ".join(f"`folds={name!r}`" for name in names[:3]) + ")" if names else ""
+        text = f"the cuts sever the sheet into {len(large)} parts ({told}): shorten a cut, say that it is a fold"
+        return Whole(rim, list(slits), [], [f"{text}{option}, or keep one part with `part=1`"])
     if len(large) > 1 and part is not None and not 1 <= part <= len(large):
         raise GeometryError(f"there is no part {part}: {told}")
     kept = large[part - 1] if part is not None and len(large) > 1 else pieces[0]

@@ -238,8 +238,8 @@ BAD = {
         '{"type": "FeatureCollection", "features": [{"geometry": {"type": "LineString"}}]}', "feature 0: no geometry"
     ),
     "dot.svg": (svg('<path d="M1 1h0"/>'), "no curves"),
-    "nested_symbol.svg": (
-        svg('<symbol id="s" viewBox="0 0 1 1"><path d="M0 0h1"/></symbol>\n<use href="#s"/>'), "line 2: a symbol with"
+    "endless_symbol.svg": (
+        svg('<symbol id="s" viewBox="0 0 1 1"><use href="#s"/><use href="#s"/></symbol><use href="#s"/>'), "one another"
     ),
 }
 

@@ -1,0 +1,85 @@
+"""Drawings in the words of particular programs: read without options, or refused with an option that helps."""
+
+# ruff: noqa: E501
+from __future__ import annotations
+
+import re
+import warnings
+from pathlib import Path
+from typing import Any
+
+import made_by_programs
+import pytest
+from made_by_programs import INKSCAPE, NS, data, paths
+from made_drawings import CORNERS, SLITS, dxf, line
+
+import kirigami as kg
+from kirigami.drawing.convert import read_drawing
+
+MADE = made_by_programs.every()
+HEAD = f'<svg {NS} width="160mm" height="120mm" viewBox="-20 -20 160 120">'
+THIN, RED, BLUE = ('fill="none" stroke="#000"', 'fill="none" stroke="#f00"', 'fill="none" stroke="#00f"')
+
+
+def read(made: Any, folder: Path, **options: Any) -> Any:
+    """The drawing as read from a file, in millimetres."""
+    if made.name.endswith(".svg"):
+        pytest.importorskip("svgelements")
+    path = folder / made.name
+    path.write_bytes(made.text.encode())
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        return read_drawing(path, unit="mm", **options)
+
+
+@pytest.mark.parametrize("made", MADE, ids=lambda made: made.name)
+def test_drawings_of_programs(made: Any, tmp_path: Path) -> None:
+    """Area, number of slits, openings and folds; the three slits that most of them have are as long as drawn."""
+    drawing = read(made, tmp_path, **made.options)
+    openings = [cut for cut in drawing.cuts if cut.geom_type == "Polygon"]
+    assert (len(drawing.cuts) - len(openings), len(openings), len(drawing.folds)) == (
+        made.slits, made.openings, made.folds,
+    )  # fmt: skip
+    sheet = drawing.sheet()
+    assert sheet.area == pytest.approx(made.area, rel=2e-3)
+    assert made.told in drawing.report
+    if made.slits == 3 and made.area >= 9000 and made.name != "illustrator_symbols.svg":
+        lengths = sorted(cut.length for cut in drawing.cuts if cut.geom_type == "LineString")
+        assert lengths == pytest.approx(sorted(abs(b[0] - a[0]) for a, b in SLITS), rel=2e-3)
+
+
+def test_they_come_from_many_programs() -> None:
+    """Most drawings need no option: their unit or their roles are theirs to say, and nobody else's."""
+    needing = [made.name for made in MADE if made.options]
+    assert len(MADE) < 60 or len(needing) <= 5, needing
+
+
+REFUSED = [  # name, text, words of the true cause
+    ("two_colours.svg", HEAD + paths(1, THIN, RED) + f'<path d="{data([(100, 0), (100, 80)])}" {BLUE}/>' + "</svg>",
+     "lines of 2 colours inside the outline"),
+    ("one_gap.svg", HEAD + f'<path d="{data([(0, 0.5), (0, 80), (120, 80), (120, 0), (0, 0)])}" {THIN}/>' + "</svg>",
+     "a gap of 0.5 mm"),
+    ("two_sheets.svg", HEAD + paths(1, THIN, RED) + f'<g transform="translate(0,90)">{paths(1, THIN, RED)}</g></svg>',
+     "2 outlines lie side by side"),
+    ("all_hidden.svg", f'<svg {INKSCAPE} width="120mm" height="80mm" viewBox="0 0 120 80"><g inkscape:label="cut" '
+     f'inkscape:groupmode="layer" style="opacity:0">{paths(1, THIN, THIN)}</g></svg>', "neither painted nor visible"),
+    ("gaps.dxf", dxf([line((0.3, 0), (120, 0)), line((120, 0), (120, 80)), line((120, 79.8), (0, 80)), line((0, 80), (0, 0))]),
+     "the outline is open"),
+    ("frozen.dxf", dxf([line(a, b, "PLATE") for a, b in zip(CORNERS, [*CORNERS[1:], CORNERS[0]])], [("PLATE", 7, 1, "CONTINUOUS")]),
+     "frozen"),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("name", "text", "cause"), REFUSED, ids=[name for name, *_ in REFUSED])
+def test_refusals_name_the_cause_and_an_option_that_helps(name: str, text: str, cause: str, tmp_path: Path) -> None:
+    """The options that stand in the message, as they stand there, read the drawing."""
+    made = made_by_programs.Made(name, text)
+    with pytest.raises(kg.GeometryError, match=cause) as refused:
+        read(made, tmp_path)
+    options: dict[str, Any] = {}
+    for option, value in re.findall(r"`(\w+)=([^`]*)`", str(refused.value)):
+        plain = value.strip("'\"")
+        options.setdefault(option, int(plain) if plain.isdigit() else plain)
+    assert options
+    found = read(made, tmp_path, **options)
+    assert found.sheet().area == pytest.approx(9600, rel=5e-3)
