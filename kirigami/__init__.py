@@ -44,6 +44,7 @@ _HOME = {
     "Plane": "effects.contact",
     "Cylinder": "effects.contact",
     "Sphere": "effects.contact",
+    "Spring": "effects.spring",
     "check_kernel": "primitives.check_kernel",
     "Sheet": "geometry.sheet",
     "Fold": "geometry.fold_line",
@@ -102,6 +103,7 @@ if TYPE_CHECKING:
     from kirigami.effects.contact import Cylinder as Cylinder
     from kirigami.effects.contact import Plane as Plane
     from kirigami.effects.contact import Sphere as Sphere
+    from kirigami.effects.spring import Spring as Spring
     from kirigami.elements import stiffness as stiffness
     from kirigami.elements.bar import Bar as Bar
     from kirigami.elements.bend_hinge import BendHinge as BendHinge

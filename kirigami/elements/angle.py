@@ -1,4 +1,8 @@
-"""What all members that resist an angle share: unwrapping against the last committed state, and a linear law."""
+"""What all members that resist an angle share: unwrapping against the last committed state, and a linear law.
+
+The angle without moment may be driven: theta_0 + lam (theta_1 - theta_0), with lam the load factor. The energy
+k (theta - theta_0(lam))^2 / 2 then changes with it by -M (theta_1 - theta_0), M the moment.
+"""
 
 from __future__ import annotations
 
@@ -7,7 +11,8 @@ from typing import Any
 
 import numpy as np
 
-from kirigami.primitives.kernel import Array, Kernel
+from kirigami.elements.driven_rest import driven, untouched
+from kirigami.primitives.kernel import Array, Contribution, Kernel
 
 TURN = 2 * math.pi
 
@@ -21,14 +26,34 @@ class AngleKernel(Kernel):
     approximates = True
     stiffness: Array
     rest_angle: Array
+    drive: Array | None  # change of the rest angle with the load factor
     _initial: Array
     _committed: Array
 
-    def _begin(self, initial: Array, rest_angle: Array) -> None:
-        """Start from the angles of the rest state; nan among the rest angles takes them over."""
+    def _begin(self, initial: Array, rest_angle: Array, targets: Array | None = None) -> None:
+        """Start from the angles of the rest state; nan among the rest angles takes them over. `targets` as by
+        :func:`kirigami.elements.driven_rest.targets_of`."""
         self._initial = initial
         self._committed = initial.copy()
-        self.rest_angle = np.where(np.isnan(rest_angle), initial, rest_angle)
+        self.rest_angle, self.drive = driven(np.where(np.isnan(rest_angle), initial, rest_angle), targets)
+        self.scaled = self.drive is not None
+
+    def rest_angle_at(self, lam: float) -> Array:
+        """Angle without moment (n,) at a load factor."""
+        return self.rest_angle if self.drive is None else self.rest_angle + lam * self.drive
+
+    def by_load(self, x: Array, lam: float, need: int = 1) -> Contribution:
+        assert self.drive is not None
+        angle = self.deformation(x)
+        rate = -self.force_at(angle, lam) * self.drive
+        if need == 0:
+            return Contribution(rate)
+        pull = self.angle_derivatives(x) * (-self.stiffness * self.drive)[:, None, None]
+        return Contribution(rate, pull)
+
+    def angle_derivatives(self, x: Array) -> Array:
+        """Gradient (n, k, dim) of the angle of each member."""
+        raise NotImplementedError
 
     def unwrap(self, angle: Array) -> Array:
         """The value of a raw angle, known up to whole turns, that lies nearest to the committed one.
@@ -51,7 +76,8 @@ class AngleKernel(Kernel):
         self._committed = self.deformation(x)
 
     def arrays(self) -> dict[str, Any]:
-        return {name: getattr(self, name) for name in ("conn", "stiffness", "rest_angle", "members")}
+        own = {name: getattr(self, name) for name in ("conn", "stiffness", "rest_angle", "members")}
+        return own if self.drive is None else {**own, "targets": untouched(self.rest_angle, self.drive)}
 
     def deformation(self, x: Array) -> Array:
         """Unwrapped angle of each member (n,) [rad]."""
@@ -60,3 +86,6 @@ class AngleKernel(Kernel):
     def force(self, angle: Array) -> Array:
         """Moment of each member (n,), positive where the angle is above its rest value."""
         return self.stiffness * (angle - self.rest_angle)
+
+    def force_at(self, deformation: Array, lam: float) -> Array:
+        return self.stiffness * (deformation - self.rest_angle_at(lam))

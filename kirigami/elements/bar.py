@@ -6,7 +6,12 @@ With rest vector d0, displacement difference v, current vector d = d0 + v, rest 
 * engineering strain  e = (l - L) / L
 * energy              EA L w(e),  stress S = w'(e),  tangent S' = w''(e)
 * laws                linear: w = e^2 / 2;  ogden: the two-term law of the MERLIN family, alpha = (5, 1), with
-  stretch s = sqrt(1 + 2 e): w = ((s^5 - 1) / 5 - (s - 1)) / 4, S = (s^3 - 1 / s) / 4
+  stretch s = sqrt(1 + 2 e): w = ((s^5 - 1) / 5 - (s - 1)) / 4, S = (s^3 - 1 / s) / 4;  cable: linear for e >= 0,
+  nothing below. The corner at e = 0 is exact: a cable that is just straight counts as taut.
+
+The rest length may be driven, L = L_0 + lam (L_1 - L_0). With s = 1 + 2 e (Green) or 1 + e, energy W and gradient g,
+
+    dW/dL = EA (w - S s),    dg/dL = -g / L - EA S' s d / L^2 (Green),   -EA S' s d / (L l) (engineering).
 
 (Felippa, Nonlinear Finite Element Methods, ch. on the total Lagrangian bar; Liu and Paulino, Proc. R. Soc. A 473,
 20170348 (2017), for the Ogden law.)
@@ -22,6 +27,7 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
+from kirigami.elements.driven_rest import driven, held_at, targets_of, untouched
 from kirigami.errors import ModelError
 from kirigami.primitives.checks import require_choice, require_positive
 from kirigami.primitives.kernel import EXACT, Array, CompiledKernel, Contribution, Kernel, Tangent, displacement_of
@@ -29,7 +35,7 @@ from kirigami.primitives.node import Node, require_nodes
 from kirigami.primitives.parts import ModelObject, Numbering
 
 STRAINS = ("green", "engineering")
-LAWS = ("linear", "ogden")
+LAWS = ("linear", "ogden", "cable")
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -46,8 +52,12 @@ class Bar(ModelObject):
         Length without stress; None takes the distance of the nodes in the rest state (imperfection included).
     strain : {"green", "engineering"}
         Strain measure; the two agree to first order.
-    law : {"linear", "ogden"}
-        Stress over strain; "ogden" goes with Green strain only.
+    law : {"linear", "ogden", "cable"}
+        Stress over strain; "ogden" goes with Green strain only. A "cable" bears tension alone; where it is slack it has
+        no stiffness, so something else must hold its ends. LinearStatic, Eigen and Buckling about the rest state take
+        one that is just straight as a bar.
+    target_length : float, optional
+        Length without stress at load factor 1: it is driven there from the rest length with the load factor.
 
     Raises
     ------
@@ -69,6 +79,8 @@ class Bar(ModelObject):
     rest_length: float | None
     strain: str
     law: str
+    target_length: float | None
+    reached: float | None
 
     def __init__(
         self,
@@ -79,6 +91,7 @@ class Bar(ModelObject):
         rest_length: float | None = None,
         strain: str = "green",
         law: str = "linear",
+        target_length: float | None = None,
     ) -> None:
         require_nodes("Bar", i=i, j=j)
         put = object.__setattr__
@@ -88,6 +101,9 @@ class Bar(ModelObject):
         put(self, "rest_length", None if rest_length is None else require_positive(rest_length, "rest_length", "Bar"))
         put(self, "strain", require_choice(strain, STRAINS, "strain", "Bar"))
         put(self, "law", require_choice(law, LAWS, "law", "Bar"))
+        target = None if target_length is None else require_positive(target_length, "target_length", "Bar")
+        put(self, "target_length", target)
+        put(self, "reached", None)
         if i is j:
             raise ModelError(f"Bar from {i!r} to itself: a bar needs two different nodes")
         if law == "ogden" and strain != "green":
@@ -97,9 +113,14 @@ class Bar(ModelObject):
     def nodes(self) -> tuple[Node, ...]:
         return (self.i, self.j)
 
+    def held(self, lam: float) -> Bar:
+        """The same, its rest length where load factor `lam` has brought it."""
+        held: Bar = held_at(self, "target_length", lam)
+        return held
+
     @classmethod
     def lower(cls, objects: Sequence[Bar], numbering: Numbering) -> list[Kernel]:
-        """One kernel for each combination of strain and law that occurs."""
+        """One kernel for each combination of strain and law that occurs, and of those that are driven."""
         conn = numbering.connectivity(objects)
         distance = np.linalg.norm(numbering.rest[conn[:, 1]] - numbering.rest[conn[:, 0]], axis=1)
         short = np.flatnonzero(distance <= 1e-12 * numbering.size)
@@ -113,12 +134,15 @@ class Bar(ModelObject):
         length = np.array([math.nan if bar.rest_length is None else bar.rest_length for bar in objects])
         length = np.where(np.isnan(length), distance, length)
         kernels: list[Kernel] = []
-        groups: dict[tuple[str, str], list[int]] = {}
+        groups: dict[tuple[str, str, bool], list[int]] = {}
         for position, bar in enumerate(objects):
-            groups.setdefault((bar.strain, bar.law), []).append(position)
-        for (strain, law), positions in sorted(groups.items()):
+            groups.setdefault((bar.strain, bar.law, bar.target_length is not None), []).append(position)
+        for (strain, law, _), positions in sorted(groups.items()):
             members = np.array(positions)
-            kernels.append(BarKernel(numbering.rest, conn[members], EA[members], length[members], strain, law, members))
+            targets = targets_of([objects[position] for position in positions], "target_length")
+            kernels.append(
+                BarKernel(numbering.rest, conn[members], EA[members], length[members], strain, law, members, targets)
+            )
         return kernels
 
 
@@ -140,22 +164,36 @@ class BarKernel(Kernel):
         strain: str = "green",
         law: str = "linear",
         members: NDArray[np.int64] | None = None,
+        targets: Array | None = None,
     ) -> None:
-        self.rest, self.conn, self.EA, self.rest_length = rest, conn, EA, rest_length
+        self.rest, self.conn, self.EA = rest, conn, EA
+        self.rest_length, self.drive = driven(rest_length, targets)
+        self.scaled = self.drive is not None
         self.strain, self.law, self.members = strain, law, members
         self._rest_vector = self._between(rest)
-        distance = np.sqrt((self._rest_vector**2).sum(axis=0))
-        self._rest_strain = (distance - rest_length) * (distance + rest_length) / (2 * rest_length**2)
+        self._distance = np.sqrt((self._rest_vector**2).sum(axis=0))
+        self._rest_strain = self._strain_at_rest(self.rest_length)
 
     def arrays(self) -> dict[str, Any]:
-        return {name: getattr(self, name) for name in ("conn", "EA", "rest_length", "strain", "law", "members")}
+        own = {name: getattr(self, name) for name in ("conn", "EA", "rest_length", "strain", "law", "members")}
+        return own if self.drive is None else {**own, "targets": untouched(self.rest_length, self.drive)}
 
-    def _vectors(self, x: Array) -> tuple[Array, Array, Array]:
+    def _strain_at_rest(self, length: Array) -> Array:
+        """Green strain (n,) in the rest state for given rest lengths."""
+        return np.asarray((self._distance - length) * (self._distance + length) / (2 * length**2))
+
+    def rest_length_at(self, lam: float) -> Array:
+        """Length without stress (n,) at a load factor."""
+        return self.rest_length if self.drive is None else self.rest_length + lam * self.drive
+
+    def _vectors(self, x: Array, lam: float = 0.0) -> tuple[Array, Array, Array]:
         """Current vector (dim, n), Green strain (n,) and length (n,)."""
+        L = self.rest_length_at(lam)
         change = self._between(displacement_of(x, self.rest))
         vector = self._rest_vector + change
         change *= self._rest_vector + 0.5 * change
-        green = self._rest_strain + change.sum(axis=0) / self.rest_length**2
+        start = self._rest_strain if self.drive is None else self._strain_at_rest(L)
+        green = start + change.sum(axis=0) / L**2
         return vector, green, np.sqrt((vector**2).sum(axis=0))
 
     def _between(self, field: Array) -> Array:
@@ -168,19 +206,23 @@ class BarKernel(Kernel):
         """Energy density over EA, stress over EA and its derivative, each (n,)."""
         if self.law == "linear":
             return 0.5 * strain**2, strain, np.ones_like(strain)
+        if self.law == "cable":
+            taut = np.maximum(strain, 0.0)
+            return 0.5 * taut**2, taut, np.where(strain >= 0, 1.0, 0.0)
         stretch = np.sqrt(1 + 2 * strain)
         d = 2 * strain / (stretch + 1)  # stretch - 1 without cancellation
         energy = d**2 * (2 + 2 * d + d**2 + d**3 / 5) / 4
         stress = d * (4 + 6 * d + 4 * d**2 + d**3) / (4 * stretch)
         return energy, stress, (3 * stretch + stretch**-3) / 4
 
-    def _strain(self, green: Array, length: Array) -> Array:
+    def _strain(self, green: Array, length: Array, lam: float = 0.0) -> Array:
         if self.strain == "green":
             return green
-        return 2 * self.rest_length * green / (length + self.rest_length)  # (l - L) / L without cancellation
+        L = self.rest_length_at(lam)
+        return np.asarray(2 * L * green / (length + L))  # (l - L) / L without cancellation
 
     def deformation(self, x: Array) -> Array:
-        """Strain of each bar (n,)."""
+        """Strain of each bar (n,) against its rest length at load factor 0."""
         _, green, length = self._vectors(x)
         return self._strain(green, length)
 
@@ -189,9 +231,10 @@ class BarKernel(Kernel):
         vector, _, length = self._vectors(x)
         return self._rate(vector, length, change)
 
-    def _rate(self, vector: Array, length: Array, change: Array) -> Array:
+    def _rate(self, vector: Array, length: Array, change: Array, lam: float = 0.0) -> Array:
         stretching: Array = (vector * self._between(change)).sum(axis=0)
-        return stretching / (self.rest_length * (self.rest_length if self.strain == "green" else length))
+        L = self.rest_length_at(lam)
+        return stretching / (L * (L if self.strain == "green" else length))
 
     def force(self, strain: Array) -> Array:
         """True axial force (n,), positive in tension, for given strain."""
@@ -200,23 +243,47 @@ class BarKernel(Kernel):
             return stress * np.sqrt(np.maximum(1 + 2 * strain, 0.0))
         return stress
 
-    def _stress_ahead(self, x: Array, change: Array) -> Array:
+    def force_at(self, deformation: Array, lam: float) -> Array:
+        if self.drive is None:
+            return self.force(deformation)
+        part = self.rest_length / self.rest_length_at(lam)  # the strain against the rest length as it is then
+        if self.strain == "green":
+            return self.force((part - 1) * (part + 1) / 2 + part**2 * deformation)
+        return self.force(part - 1 + part * deformation)
+
+    def by_load(self, x: Array, lam: float, need: int = 1) -> Contribution:
+        assert self.drive is not None
+        L = self.rest_length_at(lam)
+        vector, green, length = self._vectors(x, lam)
+        strain = self._strain(green, length, lam)
+        energy, stress, slope = self._law(strain)
+        stretch = 1 + (2 if self.strain == "green" else 1) * strain
+        change = self.EA * self.drive
+        rate = change * (energy - stress * stretch)
+        if self.strain == "green":
+            pull = -change * (stress + slope * stretch) / L**2 * vector
+        else:
+            pull = -change * slope * stretch / (L * length) * vector
+        return Contribution(rate, np.stack([-pull, pull]).transpose(2, 0, 1))
+
+    def _stress_ahead(self, x: Array, change: Array, lam: float) -> Array:
         """Stress over EA (n,) after a linear step `change` off `x`."""
-        vector, green, length = self._vectors(x)
-        _, stress, slope = self._law(self._strain(green, length))
-        return stress + slope * self._rate(vector, length, change)
+        vector, green, length = self._vectors(x, lam)
+        _, stress, slope = self._law(self._strain(green, length, lam))
+        ahead = stress + slope * self._rate(vector, length, change, lam)
+        return np.maximum(ahead, 0.0) if self.law == "cable" else ahead
 
     def compiled(self) -> CompiledKernel | None:
-        if self.strain != "green" or self.law != "linear" or self.rest.shape[1] != 3:
+        if self.strain != "green" or self.law != "linear" or self.rest.shape[1] != 3 or self.drive is not None:
             return None
         from kirigami.elements.compiled import CompiledBars
 
         return CompiledBars(self)
 
     def evaluate(self, x: Array, lam: float = 1.0, need: int = 2, tangent: Tangent = EXACT) -> Contribution:
-        vector, green, length = self._vectors(x)
-        energy, stress, slope = self._law(self._strain(green, length))
-        L = self.rest_length
+        vector, green, length = self._vectors(x, lam)
+        energy, stress, slope = self._law(self._strain(green, length, lam))
+        L = self.rest_length_at(lam)
         energy = self.EA * L * energy
         if need == 0:
             return Contribution(energy)
@@ -229,7 +296,7 @@ class BarKernel(Kernel):
         if need == 1:
             return Contribution(energy, gradient.transpose(2, 1, 0))
         if tangent.ahead is not None:
-            stress = self._stress_ahead(*tangent.ahead)
+            stress = self._stress_ahead(*tangent.ahead, lam)
         if tangent.convexity:  # compression is what makes a bar's Hessian indefinite
             stress = stress - tangent.convexity * np.minimum(stress, 0.0)
         geometric = self.EA * stress / base

@@ -29,6 +29,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kirigami.elements.angle import AngleKernel
+from kirigami.elements.driven_rest import held_at, targets_of
 from kirigami.errors import ModelError
 from kirigami.primitives.checks import require_finite, require_positive
 from kirigami.primitives.kernel import EXACT, Array, CompiledKernel, Contribution, Kernel, Tangent, displacement_of
@@ -52,6 +53,8 @@ class BendHinge(ModelObject):
     rest_angle : float, optional
         Angle without moment [rad]: 0 is flat, positive folds the wings towards the normal of (j, k, i).
         None takes the angle of the rest state (imperfection included).
+    target_angle : float, optional
+        Angle without moment at load factor 1 [rad]: it is driven there from the rest angle with the load factor.
 
     Raises
     ------
@@ -73,9 +76,19 @@ class BendHinge(ModelObject):
     l: Node
     stiffness: float
     rest_angle: float | None
+    target_angle: float | None
+    reached: float | None
 
     def __init__(
-        self, i: Node, j: Node, k: Node, l: Node, stiffness: float, *, rest_angle: float | None = None
+        self,
+        i: Node,
+        j: Node,
+        k: Node,
+        l: Node,
+        stiffness: float,
+        *,
+        rest_angle: float | None = None,
+        target_angle: float | None = None,
     ) -> None:
         require_nodes("BendHinge", i=i, j=j, k=k, l=l)
         put = object.__setattr__
@@ -85,8 +98,16 @@ class BendHinge(ModelObject):
         put(self, "l", l)
         put(self, "stiffness", require_positive(stiffness, "stiffness", "BendHinge"))
         put(self, "rest_angle", None if rest_angle is None else require_finite(rest_angle, "rest_angle", "BendHinge"))
+        target = None if target_angle is None else require_finite(target_angle, "target_angle", "BendHinge")
+        put(self, "target_angle", target)
+        put(self, "reached", None)
         if len({id(i), id(j), id(k), id(l)}) < 4:
             raise ModelError(f"BendHinge on ({i!r}, {j!r}, {k!r}, {l!r}): the four nodes must differ")
+
+    def held(self, lam: float) -> BendHinge:
+        """The same, its rest angle where load factor `lam` has brought it."""
+        held: BendHinge = held_at(self, "target_angle", lam)
+        return held
 
     @property
     def nodes(self) -> tuple[Node, ...]:
@@ -109,7 +130,7 @@ class BendHinge(ModelObject):
                     f"{numbering.describe(hinge.nodes[corner])} on the line {numbering.describe(hinge.j)} to "
                     f"{numbering.describe(hinge.k)}: a wing must stand off the line"
                 )
-        return [BendHingeKernel(numbering.rest, conn, stiffness, rest_angle)]
+        return [BendHingeKernel(numbering.rest, conn, stiffness, rest_angle, None, targets_of(objects, "target_angle"))]
 
 
 def _wing_vectors(points: Array, conn: NDArray[np.int64]) -> tuple[Array, Array, Array]:
@@ -158,10 +179,11 @@ class BendHingeKernel(AngleKernel):
         stiffness: Array,
         rest_angle: Array,
         members: NDArray[np.int64] | None = None,
+        targets: Array | None = None,
     ) -> None:
         self.rest, self.conn, self.stiffness, self.members = rest, conn, stiffness, members
         self._rest_vectors = _wing_vectors(rest, conn)
-        self._begin(self.raw_angle(*self._rest_vectors), rest_angle)
+        self._begin(self.raw_angle(*self._rest_vectors), rest_angle, targets)
 
     def vectors(self, x: Array) -> tuple[Array, Array, Array]:
         """Current edge and wing vectors, each (3, n)."""
@@ -180,6 +202,9 @@ class BendHingeKernel(AngleKernel):
     def deformation(self, x: Array) -> Array:
         """Unwrapped angle of each hinge (n,) [rad]."""
         return self.unwrap(self.raw_angle(*self.vectors(x)))
+
+    def angle_derivatives(self, x: Array) -> Array:
+        return self.first_derivatives(*self.vectors(x))[1].transpose(2, 1, 0)
 
     def deformation_rate(self, x: Array, change: Array) -> Array:
         """First-order change of the angle (n,) for a displacement change (n_nodes, 3)."""
@@ -213,7 +238,7 @@ class BendHingeKernel(AngleKernel):
 
     def evaluate(self, x: Array, lam: float = 1.0, need: int = 2, tangent: Tangent = EXACT) -> Contribution:
         vectors = self.vectors(x)
-        excess = self.unwrap(self.raw_angle(*vectors)) - self.rest_angle
+        excess = self.unwrap(self.raw_angle(*vectors)) - self.rest_angle_at(lam)
         moment = self.stiffness * excess
         energy = 0.5 * moment * excess
         if need == 0:

@@ -50,14 +50,14 @@ class CompiledHinges:
     def __init__(self, kernel: BendHingeKernel) -> None:
         self._kernel = kernel
 
-    def _state(self, x: Array) -> tuple[Any, ...]:
+    def _state(self, x: Array, lam: float) -> tuple[Any, ...]:
         kernel = self._kernel
         edge, wing_i, wing_l = kernel._rest_vectors
         u = np.ascontiguousarray(displacement_of(x, kernel.rest))
-        return kernel.conn, u, edge, wing_i, wing_l, kernel.stiffness, kernel.rest_angle, kernel._committed
+        return kernel.conn, u, edge, wing_i, wing_l, kernel.stiffness, kernel.rest_angle_at(lam), kernel._committed
 
     def add_forces(self, x: Configuration, lam: float, total: Array) -> float:
-        return float(compiled_loops.hinge_forces(*self._state(x), total))
+        return float(compiled_loops.hinge_forces(*self._state(x, lam), total))
 
     def add_blocks(self, x: Configuration, lam: float, tangent: Tangent, slots: Index, blocks: Array) -> None:
-        compiled_loops.hinge_blocks(*self._state(x), tangent.convexity, slots, blocks)
+        compiled_loops.hinge_blocks(*self._state(x, lam), tangent.convexity, slots, blocks)

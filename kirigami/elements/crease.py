@@ -15,6 +15,7 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
+from kirigami.elements.driven_rest import driven, held_at, targets_of, untouched
 from kirigami.errors import ModelError
 from kirigami.primitives.checks import require_finite
 from kirigami.primitives.kernel import Array, Contribution, Kernel
@@ -49,6 +50,8 @@ class Crease(ModelObject):
     rest_angle : float, optional
         Angle [rad] at which the fold makes no moment, 0 flat, positive where the sides fold towards the normal; None
         takes the angle of the rest shape.
+    target_angle : float, optional
+        Angle without moment at load factor 1 [rad]: it is driven there from the rest angle with the load factor.
 
     Raises
     ------
@@ -67,8 +70,16 @@ class Crease(ModelObject):
     line: tuple[Node, ...]
     stiffness: float
     rest_angle: float | None
+    target_angle: float | None
+    reached: float | None
 
-    def __init__(self, nodes: Iterable[Node], stiffness: float, rest_angle: float | None = None) -> None:
+    def __init__(
+        self,
+        nodes: Iterable[Node],
+        stiffness: float,
+        rest_angle: float | None = None,
+        target_angle: float | None = None,
+    ) -> None:
         line = listed(nodes, "Crease")
         if len(line) < 2:
             raise ModelError("Crease: give at least two nodes, the ends of an edge")
@@ -78,13 +89,16 @@ class Crease(ModelObject):
         stiffness = require_finite(stiffness, "stiffness", "Crease")
         if stiffness < 0:
             raise ModelError(f"Crease: stiffness must not be negative, got {stiffness}")
-        if rest_angle is not None:
-            rest_angle = require_finite(rest_angle, "rest_angle", "Crease")
-            if abs(rest_angle) > np.pi:
-                raise ModelError(f"Crease: rest_angle must lie between -pi and pi, got {rest_angle}")
         object.__setattr__(self, "line", line)
         object.__setattr__(self, "stiffness", stiffness)
-        object.__setattr__(self, "rest_angle", rest_angle)
+        object.__setattr__(self, "rest_angle", _angle(rest_angle, "rest_angle"))
+        object.__setattr__(self, "target_angle", _angle(target_angle, "target_angle"))
+        object.__setattr__(self, "reached", None)
+
+    def held(self, lam: float) -> Crease:
+        """The same, its rest angle where load factor `lam` has brought it."""
+        held: Crease = held_at(self, "target_angle", lam)
+        return held
 
     @property
     def nodes(self) -> tuple[Node, ...]:
@@ -107,7 +121,19 @@ class Crease(ModelObject):
         stiffness = np.array([item.stiffness for item in objects])[owner]
         wanted = np.array([np.nan if item.rest_angle is None else item.rest_angle for item in objects])[owner]
         wanted = np.where(np.isnan(wanted), angle, wanted)
-        return [CreaseKernel(numbering.rest, conn, stiffness, wanted, angle, length, owner)]
+        targets = targets_of(objects, "target_angle")
+        targets = None if targets is None else targets[:, owner]
+        return [CreaseKernel(numbering.rest, conn, stiffness, wanted, angle, length, owner, targets)]
+
+
+def _angle(value: float | None, name: str) -> float | None:
+    """An angle of a fold, at most half a turn either way."""
+    if value is None:
+        return None
+    angle = require_finite(value, name, "Crease")
+    if abs(angle) > np.pi:
+        raise ModelError(f"Crease: {name} must lie between -pi and pi, got {angle}")
+    return angle
 
 
 def folded_pairs(objects: Iterable[Crease], numbering: Numbering) -> NDArray[np.int64]:
@@ -159,13 +185,21 @@ class CreaseKernel(Kernel):
         initial: Array,
         length: Array,
         members: NDArray[np.int64] | None = None,
+        targets: Array | None = None,
     ) -> None:
         self.rest, self.conn, self.members = rest, conn, members
-        self.stiffness, self.rest_angle, self.initial, self.length = stiffness, rest_angle, initial, length
+        self.stiffness, self.initial, self.length = stiffness, initial, length
+        self.rest_angle, self.drive = driven(rest_angle, targets)
+        self.scaled = self.drive is not None
 
     def arrays(self) -> dict[str, Any]:
         names = ("conn", "stiffness", "rest_angle", "initial", "length", "members")
-        return {name: getattr(self, name) for name in names}
+        own = {name: getattr(self, name) for name in names}
+        return own if self.drive is None else {**own, "targets": untouched(self.rest_angle, self.drive)}
+
+    def rest_angle_at(self, lam: float) -> Array:
+        """Angle without moment (n,) at a load factor."""
+        return self.rest_angle if self.drive is None else self.rest_angle + lam * self.drive
 
     def _angles(self, x: Array) -> Array:
         """Angles (n, 2) of the folds at their Gauss points."""
@@ -180,8 +214,20 @@ class CreaseKernel(Kernel):
         """Moment per length (n,) [force], positive where the angle is above its rest value."""
         return np.asarray(self.stiffness * (deformation - self.rest_angle))
 
+    def force_at(self, deformation: Array, lam: float) -> Array:
+        return np.asarray(self.stiffness * (deformation - self.rest_angle_at(lam)))
+
+    def by_load(self, x: Array, lam: float, need: int = 1) -> Contribution:
+        assert self.drive is not None
+        excess = self._angles(x) - self.rest_angle_at(lam)[:, None]
+        weight = 0.5 * self.stiffness * self.length
+        gradient = np.zeros((len(weight), 2, 3))
+        gradient[:, 1, :2] = -(weight / self.length * self.drive)[:, None]
+        gradient[:, 0] = -gradient[:, 1]
+        return Contribution(-weight * self.drive * excess.sum(axis=1), gradient)
+
     def evaluate(self, x: Array, lam: float = 1.0, need: int = 2) -> Contribution:
-        excess = self._angles(x) - self.rest_angle[:, None]
+        excess = self._angles(x) - self.rest_angle_at(lam)[:, None]
         weight = 0.5 * self.stiffness * self.length
         energy = 0.5 * weight * (excess**2).sum(axis=1)
         if need == 0:

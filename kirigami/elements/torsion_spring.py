@@ -20,6 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kirigami.elements.angle import TURN, AngleKernel
+from kirigami.elements.driven_rest import held_at, targets_of
 from kirigami.errors import ModelError
 from kirigami.primitives.checks import require_finite, require_positive
 from kirigami.primitives.kernel import EXACT, Array, Contribution, Kernel, Tangent, displacement_of
@@ -39,6 +40,8 @@ class TorsionSpring3(ModelObject):
         Moment per angle [force length / rad].
     rest_angle : float, optional
         Angle without moment [rad], taken literally; None takes the angle of the rest state, in [0, 2 pi).
+    target_angle : float, optional
+        Angle without moment at load factor 1 [rad]: it is driven there from the rest angle with the load factor.
 
     Raises
     ------
@@ -59,8 +62,19 @@ class TorsionSpring3(ModelObject):
     k: Node
     stiffness: float
     rest_angle: float | None
+    target_angle: float | None
+    reached: float | None
 
-    def __init__(self, i: Node, j: Node, k: Node, stiffness: float, *, rest_angle: float | None = None) -> None:
+    def __init__(
+        self,
+        i: Node,
+        j: Node,
+        k: Node,
+        stiffness: float,
+        *,
+        rest_angle: float | None = None,
+        target_angle: float | None = None,
+    ) -> None:
         require_nodes("TorsionSpring3", i=i, j=j, k=k)
         put = object.__setattr__
         put(self, "i", i)
@@ -69,8 +83,16 @@ class TorsionSpring3(ModelObject):
         put(self, "stiffness", require_positive(stiffness, "stiffness", "TorsionSpring3"))
         angle = None if rest_angle is None else require_finite(rest_angle, "rest_angle", "TorsionSpring3")
         put(self, "rest_angle", angle)
+        target = None if target_angle is None else require_finite(target_angle, "target_angle", "TorsionSpring3")
+        put(self, "target_angle", target)
+        put(self, "reached", None)
         if len({id(i), id(j), id(k)}) < 3:
             raise ModelError(f"TorsionSpring3 on ({i!r}, {j!r}, {k!r}): the three nodes must differ")
+
+    def held(self, lam: float) -> TorsionSpring3:
+        """The same, its rest angle where load factor `lam` has brought it."""
+        held: TorsionSpring3 = held_at(self, "target_angle", lam)
+        return held
 
     @property
     def nodes(self) -> tuple[Node, ...]:
@@ -92,7 +114,8 @@ class TorsionSpring3(ModelObject):
                 )
         stiffness = np.array([spring.stiffness for spring in objects])
         rest_angle = np.array([math.nan if s.rest_angle is None else s.rest_angle for s in objects])
-        return [TorsionSpring3Kernel(numbering.rest, conn, stiffness, rest_angle)]
+        targets = targets_of(objects, "target_angle")
+        return [TorsionSpring3Kernel(numbering.rest, conn, stiffness, rest_angle, None, targets)]
 
 
 def _arms(points: Array, conn: NDArray[np.int64]) -> tuple[Array, Array]:
@@ -129,11 +152,12 @@ class TorsionSpring3Kernel(AngleKernel):
         stiffness: Array,
         rest_angle: Array,
         members: NDArray[np.int64] | None = None,
+        targets: Array | None = None,
     ) -> None:
         self.rest, self.conn, self.stiffness, self.members = rest, conn, stiffness, members
         self._rest_arms = _arms(rest, conn)
         raw = self._raw_angle(*self._rest_arms)
-        self._begin(raw + TURN * (raw < 0), rest_angle)
+        self._begin(raw + TURN * (raw < 0), rest_angle, targets)
 
     def _current_arms(self, x: Array) -> tuple[Array, Array]:
         a, b = _arms(displacement_of(x, self.rest), self.conn)
@@ -148,6 +172,9 @@ class TorsionSpring3Kernel(AngleKernel):
         """Unwrapped angle of each spring (n,) [rad]."""
         return self.unwrap(self._raw_angle(*self._current_arms(x)))
 
+    def angle_derivatives(self, x: Array) -> Array:
+        return self._angle_gradient(*self._current_arms(x)).transpose(2, 1, 0)
+
     def deformation_rate(self, x: Array, change: Array) -> Array:
         """First-order change of the angle (n,) for a displacement change (n_nodes, 2)."""
         rate: Array = np.einsum("akn,nka->n", self._angle_gradient(*self._current_arms(x)), change[self.conn])
@@ -160,7 +187,7 @@ class TorsionSpring3Kernel(AngleKernel):
 
     def evaluate(self, x: Array, lam: float = 1.0, need: int = 2, tangent: Tangent = EXACT) -> Contribution:
         a, b = self._current_arms(x)
-        excess = self.unwrap(self._raw_angle(a, b)) - self.rest_angle
+        excess = self.unwrap(self._raw_angle(a, b)) - self.rest_angle_at(lam)
         moment = self.stiffness * excess
         energy = 0.5 * moment * excess
         if need == 0:

@@ -142,7 +142,7 @@ class Kernel:
     measures_displacement : bool
         True where strain comes from displacements alone, and rounds as they do.
     scaled : bool
-        True where the potential depends on the load factor, which it must do linearly.
+        True where the potential depends on the load factor: linearly, or in a way that :meth:`by_load` knows.
     anchored : bool
         True where rigid motions of its members cost energy, as for a support.
     compile_from : int
@@ -190,6 +190,15 @@ class Kernel:
         """Energy (need 0), also the gradient (need 1), also the Hessian (need 2) at positions `x` (n_nodes, dim)."""
         raise NotImplementedError
 
+    def by_load(self, x: Array, lam: float, need: int = 1) -> Contribution:
+        """Change of energy (need 0) and gradient (need 1) with the load factor at positions `x`; asked where
+        ``scaled``. A potential that is not linear in the load factor must override this."""
+        after, before = self.evaluate(x, lam + 1.0, need), self.evaluate(x, lam, need)
+        if need == 0:
+            return Contribution(after.energy - before.energy)
+        assert after.gradient is not None and before.gradient is not None
+        return Contribution(after.energy - before.energy, after.gradient - before.gradient)
+
     def stiffness_of_positions(self, stiffness: Array) -> Array:
         """The part of each member's `stiffness` (n,) at rest that acts on positions, and so on their rounding, instead
         of displacements: all or nothing of it, by ``measures_displacement``, unless a kernel knows better."""
@@ -217,6 +226,10 @@ class Kernel:
     def force(self, deformation: Array) -> Array:
         """What the members answer (n, ...) to a deformation: force, moment."""
         raise ModelError(f"{self.name!r} has no force to tell: its kernel defines none")
+
+    def force_at(self, deformation: Array, lam: float) -> Array:
+        """The same at a load factor, which counts where it changes the law, as a rest length that is driven does."""
+        return self.force(deformation)
 
     def mass(self, lumped: bool = False) -> Array | None:
         """Mass matrices (n, k, k) of the members, the same along every axis, or None where it has no mass."""

@@ -38,6 +38,7 @@ KERNELS = {
     "FacetKernel": "elements.facet",
     "NodalLoadKernel": "model.loads",
     "ShellFacetKernel": "elements.shell_kernel",
+    "SpringKernel": "effects.spring",
     "TorsionSpring3Kernel": "elements.torsion_spring",
 }
 

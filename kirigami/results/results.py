@@ -14,6 +14,7 @@ from kirigami.errors import AnalysisError, ModelError
 from kirigami.primitives.checks import require_array, require_axis, require_boolean, require_text, require_whole
 from kirigami.primitives.kernel import Array, Configuration, Kernel, hessian_product
 from kirigami.primitives.node import AXES, Node
+from kirigami.results.linearised import NEAR, linear_contribution, linear_force
 from kirigami.results.record import ModelRecord, Nodes
 from kirigami.results.step import Event, Step
 from kirigami.results.supports import carried_by
@@ -21,7 +22,6 @@ from kirigami.results.supports import carried_by
 if TYPE_CHECKING:
     from kirigami.system.system import System
 
-NEAR = 1e-4  # share of a deformation over which the force of a linear analysis follows its tangent
 
 
 class Results(ModelRecord):
@@ -169,15 +169,8 @@ class Results(ModelRecord):
         """Force or moment (members, ...) of a kernel at a step; to first order for a linear analysis."""
         felt = self.member_deformation(kernel, step)
         if not self.linear:
-            return kernel.force(felt)
-        start = kernel.deformation(self.configuration())
-        change = felt - start
-        size = float(np.abs(change).max(initial=0.0))
-        if size == 0:
-            return kernel.force(start)
-        share = NEAR * (float(np.abs(start).max()) or 1.0) / size
-        rate = kernel.force(start + share * change) - kernel.force(start - share * change)
-        return np.asarray(kernel.force(start) + rate / (2 * share))
+            return kernel.force_at(felt, step.lam)
+        return linear_force(kernel, kernel.deformation(self.configuration()), felt, step.lam)
 
     def rows(self, step: Step | None = None) -> Array:
         """Displacements (rows, dim) at a step, or at rest, of the nodes and the rows that elements keep behind them."""
@@ -220,7 +213,7 @@ class Results(ModelRecord):
         for target, step in zip(total, self.steps):
             for kernel in self.kernels:
                 if self.linear:
-                    at_start = kernel.evaluate(at_rest, step.lam, 2)
+                    at_start = linear_contribution(kernel, at_rest, step.lam)
                     gradient = at_start.gradient
                     assert gradient is not None
                     if kernel.pairs != ():
@@ -277,7 +270,7 @@ class Results(ModelRecord):
         if not self.linear:
             found: Array = self.evaluate_at(kernel, step, lambda x: kernel.evaluate(x, step.lam, 0)).energy
             return found
-        start = kernel.evaluate(self.configuration(), step.lam, 2)
+        start = linear_contribution(kernel, self.configuration(), step.lam)
         assert start.gradient is not None
         u = self.rows(step)[kernel.conn]
         rate = start.gradient + 0.5 * hessian_product(kernel, start, u)

@@ -125,7 +125,7 @@ class StateReader:
         return _tensor(work, half_shear=True)
 
     def _add_bars(self, state: SheetState, kernel: BarKernel, step: Step) -> None:
-        if kernel.strain != "green" or kernel.law != "linear":
+        if kernel.strain != "green" or kernel.law != "linear" or kernel.scaled:
             return  # no bar of a sheet
         rows, edges = matched(np.sort(kernel.conn, axis=1), np.sort(self.mesh.edges, axis=1))
         strain = self.results.member_deformation(kernel, step)[rows]

@@ -237,8 +237,7 @@ class System(Unknowns):
         rate = float((self.forces(u, lam)[0].ravel() * self.drive).sum())
         for kernel in self.kernels:
             if kernel.scaled:
-                after, before = kernel.evaluate(x, lam + 1.0, 0).energy, kernel.evaluate(x, lam, 0).energy
-                rate += float((after - before).sum())
+                rate += float(kernel.by_load(x, lam, 0).energy.sum())
         return rate
 
     def load_rate(self, u: Array, lam: float, blocks: Array) -> Array:
@@ -250,9 +249,9 @@ class System(Unknowns):
             rate = plan.multiply(blocks, drive) if drive.any() else np.zeros_like(drive)
         for kernel in self.kernels:
             if kernel.scaled:
-                after, before = kernel.evaluate(x, lam + 1.0, 1).gradient, kernel.evaluate(x, lam, 1).gradient
-                assert after is not None and before is not None
-                scatter_add(rate, kernel.conn, after - before)
+                gradient = kernel.by_load(x, lam, 1).gradient
+                assert gradient is not None
+                scatter_add(rate, kernel.conn, gradient)
         return self.reduce(rate)
 
     def stiffness_blocks(self, u: Array, lam: float, tangent: Tangent = EXACT) -> Array:

@@ -20,8 +20,9 @@ NOT_CALLED: dict[str, str] = {
         ANSWER,
     ),
     **dict.fromkeys(
-        """Kernel Kernel.* *.lower *.reserve Bar.held Contribution Tangent displacement_of ModelObject
-        Numbering* stiffness.SheetConstants.* *.elasticity Laminate.section Laminate.checked_thickness""".split(),
+        """Kernel Kernel.* *.lower *.reserve Bar.held Facet.held BendHinge.held TorsionSpring3.held Crease.held
+        Contribution Tangent displacement_of ModelObject Numbering* stiffness.SheetConstants.* *.elasticity
+        Laminate.section Laminate.checked_thickness""".split(),
         CONTRACT,
     ),
     **dict.fromkeys(("*Error", "*Warning"), ERRORS),

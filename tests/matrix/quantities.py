@@ -40,7 +40,7 @@ def sheets(*names: str) -> frozenset[str]:
 
 WITH_BARS = frozenset({"paper", "plate", "paper in the plane", "plate in the plane", *BUILT} & set(STRUCTURES))
 WITH_HINGES = frozenset({"paper", "plate", "hinged strip"} & set(STRUCTURES))
-WITH_SPRINGS = frozenset({"chain of springs"})
+WITH_SPRINGS = frozenset({"chain of springs", "stayed mast"})
 SUPPORTS = ("driven_0", "fixed_0")
 
 

@@ -68,13 +68,21 @@ def built(
         nodes = [kg.Node(*place) for place in change.places(old)[order].tolist()]
         m.add(*nodes)
         at = [nodes[k] for k in new]
-        size = {"bar": change.force, "hinge": change.force * change.length, "spring": change.force * change.length}
+        size = {"hinge": change.force * change.length, "spring": change.force * change.length}
+        size["ground"] = change.force / change.length
         for part in [parts[k] for k in change.order(len(parts))]:
             kind, *ends, stiffness = part
             i = [at[k] for k in ends]
-            value = stiffness * size[kind]
+            value = stiffness * size.get(kind, change.force)
             if kind == "bar":
                 m.add(kg.Bar(i[0], i[1], EA=value))
+            elif kind == "cable":
+                m.add(kg.Bar(i[0], i[1], EA=value, law="cable"))
+            elif kind == "driven bar":
+                a, b = (change.places(old)[k] for k in ends)
+                m.add(kg.Bar(i[0], i[1], EA=value, target_length=(1 - 0.05 * drive) * float(np.linalg.norm(b - a))))
+            elif kind == "ground":
+                m.add(kg.Spring(i[0], value))
             elif kind == "hinge":
                 m.add(kg.BendHinge(*((i[0], i[2], i[1], i[3]) if change.mirrors else i), value))
             else:
@@ -114,6 +122,18 @@ CHAIN = built(
      ("spring", 0, 1, 2, 0.5), ("spring", 1, 2, 3, 0.4)],
     2, [0, 1], [3], [2],
 )  # fmt: skip
+STAYED_MAST = built(
+    [(0, 0), (0.1, 1), (0, 2.1), (-1, 0.1), (1.2, 0)],
+    [("bar", 0, 1, 20.0), ("bar", 1, 2, 20.0), ("spring", 0, 1, 2, 0.4), ("cable", 3, 1, 5.0), ("cable", 4, 1, 5.0),
+     ("driven bar", 3, 2, 5.0), ("ground", 1, 0.3)],
+    2, [0, 3, 4], [2], [1],
+)  # fmt: skip
+STAYED_TOWER = built(
+    [(0, 0, 0), (0.1, 0, 1), (0, 0.1, 2), (-1, 0.5, 0), (1.2, 0.6, 0), (0, -1.1, 0.1)],
+    [("bar", 0, 1, 20.0), ("bar", 1, 2, 20.0), *(("cable", k, 1, 5.0) for k in (3, 4, 5)),
+     *(("driven bar", k, 2, 5.0) for k in (3, 5)), ("bar", 4, 2, 5.0), ("ground", 1, 0.3)],
+    3, [0, 3, 4, 5], [2], [1],
+)  # fmt: skip
 
 
 def serves_plane(rung: str) -> bool:
@@ -133,8 +153,9 @@ PLANE: dict[str, Callable[[Change, float], kg.Model]] = {
     if serves_plane(rung)
 }
 BUILT = {"truss": TRUSS, "tower": TOWER, "hinged strip": STRIP, "chain of springs": CHAIN}
+BUILT |= {"stayed mast": STAYED_MAST, "stayed tower": STAYED_TOWER}
 STRUCTURES = SHEETS | PLANE | BUILT
-PLANAR = {*PLANE, "truss", "chain of springs"}
+PLANAR = {*PLANE, "truss", "chain of springs", "stayed mast"}
 
 
 def applies(structure: str, change: str) -> bool:
@@ -154,6 +175,15 @@ def model(structure: str, change: str = "", drive: float = 1.0) -> kg.Model:
 @cache
 def _results(structure: str, change: str) -> kg.Results:
     return kg.DisplacementControl(model(structure, change), targets=[0.5, 0.999, 1.0], to=1.001, tol=1e-10).run()
+
+
+def from_the_ground(run: kg.Results, number: int) -> np.ndarray:
+    """Forces (nodes, 3) of grounded springs on the structure at a step."""
+    force = np.zeros((len(run.rest), 3))
+    for kernel in run.kernels:
+        if kernel.name == "grounded springs":
+            force[kernel.conn[:, 0], : run.dim] -= kernel.force(run.member_deformation(kernel, run[number]))
+    return force
 
 
 def results(structure: str, change: str = "") -> kg.Results:
