@@ -204,7 +204,7 @@ class BendHingeKernel(AngleKernel):
         return self.unwrap(self.raw_angle(*self.vectors(x)))
 
     def angle_derivatives(self, x: Array) -> Array:
-        return self.first_derivatives(*self.vectors(x))[1].transpose(2, 1, 0)
+        return np.asarray(self.first_derivatives(*self.vectors(x))[1].transpose(2, 1, 0))
 
     def deformation_rate(self, x: Array, change: Array) -> Array:
         """First-order change of the angle (n,) for a displacement change (n_nodes, 3)."""

@@ -22,7 +22,7 @@ def targets_of(objects: Sequence[Any], name: str) -> Array | None:
     if all(getattr(item, name) is None for item in objects):
         return None
     rows = [(getattr(item, name), item.reached) for item in objects]
-    return np.array([[np.nan if value is None else value for value in row] for row in rows]).T
+    return np.asarray(np.array([[np.nan if value is None else value for value in row] for row in rows]).T)
 
 
 def driven(rest: Array, targets: Array | None) -> tuple[Array, Array | None]:

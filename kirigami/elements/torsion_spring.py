@@ -173,7 +173,7 @@ class TorsionSpring3Kernel(AngleKernel):
         return self.unwrap(self._raw_angle(*self._current_arms(x)))
 
     def angle_derivatives(self, x: Array) -> Array:
-        return self._angle_gradient(*self._current_arms(x)).transpose(2, 1, 0)
+        return np.asarray(self._angle_gradient(*self._current_arms(x)).transpose(2, 1, 0))
 
     def deformation_rate(self, x: Array, change: Array) -> Array:
         """First-order change of the angle (n,) for a displacement change (n_nodes, 2)."""

@@ -24,6 +24,7 @@ def assert_right(kernel: Any, x: Any, lam: float = 0.7, bound: float = 1e-7, bal
     step = 1e-5
     rate = kernel.by_load(np.asarray(x, dtype=float), lam, 1)
     after, before = (kernel.evaluate(np.asarray(x, dtype=float), lam + sign * step, 1) for sign in (1, -1))
-    for found, ends in ((rate.energy, (after.energy, before.energy)), (rate.gradient, (after.gradient, before.gradient))):
-        wanted = (ends[0] - ends[1]) / (2 * step)
-        assert np.abs(found - wanted).max() <= bound * max(np.abs(wanted).max(), np.abs(ends[0]).max())
+    pairs = (rate.energy, after.energy, before.energy), (rate.gradient, after.gradient, before.gradient)
+    for found, later, earlier in pairs:
+        wanted = (later - earlier) / (2 * step)
+        assert np.abs(found - wanted).max() <= bound * max(np.abs(wanted).max(), np.abs(later).max())

@@ -182,7 +182,7 @@ FOLDS = {"hinge": _hinge, "three-node spring": _joint, "crease": _fold}
 def test_a_free_fold_takes_its_target_angle(fold: str) -> None:
     """Driven by nothing else, the fold follows its rest angle without moment; held half way it stays."""
     m, name = FOLDS[fold]()
-    start = float(kg.System(m).kernels[-1].deformation(kg.System(m).rest)[0]) if fold != "three-node spring" else np.pi / 2
+    start = float(kernel_of(m, name).deformation(kg.System(m).rest)[0])
     m, name = FOLDS[fold](target_angle=start + 0.8)
     res = kg.LoadControl(m, targets=[0.5, 1.0]).run()
     half = int(np.argmin(np.abs(res.lam - 0.5)))
