@@ -28,7 +28,7 @@ from kirigami import units
 from kirigami.drawing.convert import read_drawing
 from kirigami.drawing.drawing import Drawing
 from kirigami.study.grips import find_grips
-from kirigami.study.stretch import ACCURACY, default_mesh, held_model
+from kirigami.study.stretch import ACCURACY, default_mesh
 
 FOLDER = Path(__file__).parent / "data" / "dozen"
 ALLOWED = {"draft": 60.0, "standard": 180.0, "fine": float("inf")}  # CPU seconds
@@ -59,8 +59,9 @@ def read(row: dict[str, Any]) -> tuple[Drawing, kg.Sheet]:
 def linear_stiffness(sheet: kg.Sheet, accuracy: str) -> tuple[float, int]:
     """Force per displacement over E t at the mesh and on the rung of an accuracy, and its nodes."""
     level, grips = ACCURACY[accuracy], find_grips(sheet, "y")
-    mesh = default_mesh(sheet, grips, level.nodes, None)
-    model, _, moved = held_model(mesh, grips, 1e-3, level.stiffness)
+    mesh = default_mesh(sheet, grips.lines(), level.nodes, None)
+    model = kg.Model.from_mesh(mesh, stiffness=level.stiffness)
+    _, moved = grips.hold(model, 1e-3 * grips.free_length)
     assert sheet.material is not None and sheet.thickness is not None
     force = float(kg.LinearStatic(model).run().reaction(moved, "y")[-1])
     return force / (1e-3 * grips.free_length * sheet.material.E * sheet.thickness), len(mesh.nodes)

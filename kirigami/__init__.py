@@ -31,6 +31,7 @@ _HOME = {
     "Prescribe": "model.constraints",
     "Symmetry": "model.constraints",
     "Tie": "model.constraints",
+    "Turn": "model.turn",
     "NodalLoad": "model.loads",
     "Calibration": "elements.stiffness",
     "System": "system.system",
@@ -68,6 +69,7 @@ _HOME = {
     "Sweep": "sweep.sweep",
     "SweepTable": "sweep.table",
     "latin_hypercube": "sweep.sampling",
+    "LoadCase": "study.load_case",
     "stretch": "study.stretch",
     "KirigamiError": "errors",
     "GeometryError": "errors",
@@ -137,6 +139,7 @@ if TYPE_CHECKING:
     from kirigami.model.constraints import Tie as Tie
     from kirigami.model.loads import NodalLoad as NodalLoad
     from kirigami.model.model import Model as Model
+    from kirigami.model.turn import Turn as Turn
     from kirigami.primitives.check_kernel import check_kernel as check_kernel
     from kirigami.primitives.kernel import Contribution as Contribution
     from kirigami.primitives.kernel import Kernel as Kernel
@@ -152,6 +155,7 @@ if TYPE_CHECKING:
     from kirigami.results.results import Results as Results
     from kirigami.results.step import Event as Event
     from kirigami.results.step import Step as Step
+    from kirigami.study.load_case import LoadCase as LoadCase
     from kirigami.study.stretch import stretch as stretch
     from kirigami.sweep.sampling import latin_hypercube as latin_hypercube
     from kirigami.sweep.sweep import Sweep as Sweep

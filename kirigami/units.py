@@ -18,9 +18,20 @@ UNITS: dict[str, dict[str, float]] = {
         "Pa": 1.0, "kPa": 1e3, "MPa": 1e6, "GPa": 1e9, "TPa": 1e12, "N/m2": 1.0, "N/mm2": 1e6, "bar": 1e5,
         "psi": 6894.757293168, "ksi": 6894757.293168,
     },
+    "force": {"N": 1.0, "mN": 1e-3, "uN": 1e-6, "kN": 1e3, "lbf": 4.4482216152605, "gf": 9.80665e-3, "kgf": 9.80665},
+    "torque": {"Nm": 1.0, "N m": 1.0, "N*m": 1.0, "mNm": 1e-3, "Nmm": 1e-3, "N mm": 1e-3, "N*mm": 1e-3, "kNm": 1e3},
     "density": {"kg/m3": 1.0, "g/cm3": 1e3, "g/cc": 1e3},
     "ratio": {"%": 1e-2, "": 1.0},
 }  # fmt: skip
+STEPS = {  # units, their sizes, and from where on they are used
+    "length": (("m", 1.0, 1.0), ("mm", 1e-3, 1e-5), ("um", 1e-6, 0.0)),
+    "area": (("m2", 1.0, 1.0), ("cm2", 1e-4, 1e-5), ("mm2", 1e-6, 0.0)),
+    "stress": (("GPa", 1e9, 1e9), ("MPa", 1e6, 1e6), ("kPa", 1e3, 1e3), ("Pa", 1.0, 0.0)),
+    "force": (("kN", 1e3, 1e3), ("N", 1.0, 0.1), ("mN", 1e-3, 1e-4), ("uN", 1e-6, 0.0)),
+    "torque": (("N m", 1.0, 1.0), ("N mm", 1e-3, 1e-4), ("uN m", 1e-6, 0.0)),
+    "energy": (("J", 1.0, 1.0), ("mJ", 1e-3, 1e-4), ("uJ", 1e-6, 0.0)),
+    "energy per area": (("J/m2", 1.0, 0.1), ("mJ/m2", 1e-3, 0.0)),
+}
 _QUANTITY = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*(.*?)\s*")
 
 
@@ -52,7 +63,7 @@ def parse(text: str | float, kind: str) -> float:
     ----------
     text : str or float
         Number and unit. A number alone is in SI units (metres, pascals, kg/m3, a ratio).
-    kind : {"length", "stress", "density", "ratio"}
+    kind : {"length", "stress", "force", "torque", "density", "ratio"}
         What it must be.
 
     Raises
@@ -88,7 +99,9 @@ def parse(text: str | float, kind: str) -> float:
 
 
 def _example(kind: str) -> str:
-    return {"length": "0.1mm", "stress": "3.5GPa", "density": "1390kg/m3", "ratio": "20%"}[kind]
+    return {
+        "length": "0.1mm", "stress": "3.5GPa", "force": "2N", "torque": "5Nmm", "density": "1390kg/m3", "ratio": "20%",
+    }[kind]  # fmt: skip
 
 
 def show(value: float, kind: str) -> str:
@@ -98,7 +111,7 @@ def show(value: float, kind: str) -> str:
     ----------
     value : float
         In SI units.
-    kind : {"length", "stress", "density", "ratio"}
+    kind : {"length", "stress", "force", "torque", "density", "ratio"}
         What it is.
 
     Examples
@@ -112,12 +125,28 @@ def show(value: float, kind: str) -> str:
         return f"{100 * value:.6g} %"
     if kind == "density":
         return f"{value:.6g} kg/m3"
-    steps = {
-        "length": (("m", 1.0, 1.0), ("mm", 1e-3, 1e-5), ("um", 1e-6, 0.0)),
-        "stress": (("GPa", 1e9, 1e9), ("MPa", 1e6, 1e6), ("kPa", 1e3, 1e3), ("Pa", 1.0, 0.0)),
-    }
-    unit, factor = next((unit, factor) for unit, factor, least in steps[kind] if abs(value) >= least)
+    unit, factor = unit_for(value, kind)
     return f"{value / factor:.6g} {unit}"
+
+
+def unit_for(value: float, kind: str) -> tuple[str, float]:
+    """The unit in which a person would write a quantity, and its size in SI units.
+
+    Parameters
+    ----------
+    value : float
+        The quantity, or the largest of many, in SI units.
+    kind : {"length", "area", "stress", "force", "torque", "energy", "energy per area"}
+        What it is.
+
+    Examples
+    --------
+    >>> unit_for(0.02, "length"), unit_for(3e7, "stress")
+    (('mm', 0.001), ('MPa', 1000000.0))
+    """
+    value = abs(require_finite(value, "value", "units.unit_for"))
+    steps = STEPS[require_choice(kind, STEPS, "kind", "units.unit_for")]
+    return next((unit, factor) for unit, factor, least in steps if value >= least)
 
 
 def doubts(*, thickness: float, size: float, E: float, strain: float) -> list[str]:

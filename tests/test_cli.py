@@ -21,7 +21,7 @@ DRAWINGS = Path(__file__).parent / "data" / "drawings"
 PLATE = str(DRAWINGS / "inkscape_layers_mm.svg")  # 120 x 80 mm, three slits and a hole
 SHEET = ["--thickness", "0.1mm", "--E", "3.5GPa", "--strain", "0.2%", "--max-edge", "15mm", "--accuracy", "draft"]
 COMMANDS = ["demo", "stretch", "mesh", "info", "export"]
-PICTURES = {"rest.png", "deformed.png", "above.png", "force.png", "opening.png", "stretch.gif"}
+PICTURES = {"rest.png", "deformed.png", "above.png", "force.png", "stress.png", "opening.png", "stretch.gif"}
 FILES = PICTURES | {"report.json", "curves.csv", "results.npz"}
 
 
@@ -191,7 +191,7 @@ def test_stretch_does_the_whole_job(tmp_path: Path, capsys: pytest.CaptureFixtur
         "edges held at the bottom and top",
         "strain 0.2 % to reach (load factor 1), 0.16 mm of grip displacement",
         "strain 0.2 % = 0.16 mm of grip displacement / 80 mm between the grips",
-        f"Written to {folder}: report.json, curves.csv, results.npz, rest.png, deformed.png, above.png, force.png",
+        f"Written to {folder}: report.json, curves.csv, results.npz, case.json, rest.png, deformed.png, above.png",
     ):
         assert words in said.out
     report = json.loads((folder / "report.json").read_text())

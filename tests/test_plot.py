@@ -11,13 +11,15 @@ from typing import Any
 import matplotlib
 import numpy as np
 import pytest
+import shapely
 from matplotlib import pyplot
 from numpy.testing import assert_allclose
 from PIL import Image
 
 import kirigami as kg
 from kirigami import plot
-from kirigami.plot import deformed
+from kirigami.plot import deformed, style
+from kirigami.results.smooth import sectors, surface_stress
 
 matplotlib.use("Agg")
 
@@ -105,7 +107,7 @@ def drawn(ax: Any) -> Any:
 
 
 def test_facets_are_drawn_where_they_are(lifted: kg.Results) -> None:
-    ax = lifted.plot(view="top", edges="none", step=1)
+    ax = lifted.plot(view="top", edges="none", step=1, smooth=False)
     corners = np.array([path.vertices[:3] for path in drawn(ax).get_paths()])
     expected = lifted.position()[1][lifted.mesh.triangles]
     order = np.argsort(expected[..., 2].mean(axis=1), kind="stable")  # what is higher covers what is lower
@@ -114,16 +116,64 @@ def test_facets_are_drawn_where_they_are(lifted: kg.Results) -> None:
 
 @pytest.mark.parametrize(("edges", "number"), [("boundary", 8), ("all", 16), ("none", 0)])
 def test_edges_of_the_sheet_and_its_cuts(lifted: kg.Results, edges: str, number: int) -> None:
-    paths = drawn(lifted.plot(view="top", edges=edges)).get_paths()
+    paths = drawn(lifted.plot(view="top", edges=edges, smooth=False)).get_paths()
     assert len(paths) == len(lifted.mesh.triangles) + number
 
 
 def test_colours_span_the_heights(lifted: kg.Results) -> None:
     ax = lifted.plot()
     bar = next(other for other in ax.figure.axes if other is not ax)
-    height = lifted.position()[-1, :, 2][lifted.mesh.triangles].mean(axis=1)
+    height = lifted.position()[-1, :, 2]
     assert_allclose(bar.get_ylim(), (height.min(), height.max()))
     assert bar.get_ylabel() == "height z"
+
+
+def test_smooth_pieces_tile_the_facets_and_take_the_colours_of_the_nodes(lifted: kg.Results) -> None:
+    """Linear in between: the pieces of a facet cover it once, and a field that is linear in place is hit exactly."""
+    rest = lifted.rest
+    ax = lifted.plot(view="top", edges="none", step=0, color=3.0 * rest[:, 0] - rest[:, 1])
+    pieces = np.array([path.vertices[:3] for path in drawn(ax).get_paths()])
+    sides = pieces[:, 1:] - pieces[:, :1]
+    areas = 0.5 * np.abs(sides[:, 0, 0] * sides[:, 1, 1] - sides[:, 0, 1] * sides[:, 1, 0])
+    assert areas.sum() == pytest.approx(lifted.mesh.facet_areas.sum(), rel=1e-9)
+    assert len(pieces) > len(lifted.mesh.triangles)
+    bar = next(other for other in ax.figure.axes if other is not ax)
+    low, high = bar.get_ylim()
+    middle = pieces.mean(axis=1)
+    share = (3.0 * middle[:, 0] - middle[:, 1] - low) / (high - low)
+    shown = drawn(ax).get_facecolor()[:, :3] / style.sequential_map()(share)[:, :3]
+    assert np.ptp(shown, axis=1).max() < 0.05  # but for the light, which is the same for red, green and blue
+
+
+def test_stress_jumps_across_a_fold_and_is_a_mean_elsewhere() -> None:
+    """Two squares joined by a crease, one of them stretched: smooth values keep the two sides apart."""
+    mesh = kg.Sheet([(0, 0), (2, 0), (2, 1), (0, 1)]).mesh(0.5, lines={"fold": shapely.LineString([(1, 0), (1, 1)])})
+    m = kg.Model.from_mesh(mesh, thickness=0.01, material=kg.Material(E=1e6, nu=0.0), stiffness="shell")
+    fold = mesh.sets["fold"][np.argsort(mesh.nodes[mesh.sets["fold"], 1])]
+    m.add(kg.Crease([m.nodes[k] for k in fold], stiffness=1.0))
+    res = kg.Results(kg.System(m))
+    u = np.zeros((len(mesh.nodes), 3))
+    u[:, 0] = np.maximum(mesh.nodes[:, 0] - 1, 0) * 1e-3
+    res.append(kg.Step.at(m, 1.0, u))
+    parts = sectors(res)
+    assert len(parts.node) == len(mesh.nodes) + len(fold)
+    stress = surface_stress(res, parts)[0]
+    side = np.empty(len(parts.node))
+    side[parts.corner] = (mesh.nodes[mesh.triangles].mean(axis=1)[:, 0] > 1)[:, None]
+    assert stress == pytest.approx(np.where(side, 1e3, 0.0), rel=1e-2, abs=1e-6)
+    plain = kg.Model.from_mesh(mesh, thickness=0.01, material=kg.Material(E=1e6, nu=0.0), stiffness="shell")
+    whole = kg.Results(kg.System(plain))
+    whole.append(kg.Step.at(plain, 1.0, u))
+    between = surface_stress(whole)[0][mesh.sets["fold"]]
+    assert ((between > 100) & (between < 900)).all()
+
+
+def test_two_curves_have_two_colours(snapped: Any) -> None:
+    res, left, apex = snapped
+    ax = res.plot_curve(x=(apex, "y"), label="first")
+    count = len(ax.lines)
+    res.plot_curve(x=-res.u[:, 1, 1], ax=ax, label="second")
+    assert {line.get_color() for line in ax.lines[:count]} & {line.get_color() for line in ax.lines[count:]} == set()
 
 
 def test_energy_per_area_adds_up_to_the_energy(lifted: kg.Results) -> None:
@@ -370,7 +420,7 @@ def test_an_animation_that_fails_leaves_the_old_file(lifted: kg.Results, tmp_pat
         ({"step": 99}, "step 99 is not stored"),
         ({"step": -99}, "step -99 is not stored"),
         ({"step": 0.5}, "step must be a whole number"),
-        ({"color": "hight"}, "height, displacement, energy, none"),
+        ({"color": "hight"}, "height, displacement, energy, stress, none"),
         ({"color": "force"}, "'force' is unknown"),
         ({"color": np.ones(3)}, "8 nodes or 8 facets"),
         ({"color": np.full(8, np.nan)}, "finite"),

@@ -63,6 +63,7 @@ class Buckling(Analysis):
         """Find the lowest positive buckling load factors and their shapes; fewer than `n` where there are no more."""
         run = Run(self)
         system = run.system
+        system.straighten()
         require_drive(system, "Buckling")
         system.check_supports()
         if self.n > system.free:

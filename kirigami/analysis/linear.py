@@ -44,6 +44,7 @@ class LinearStatic(Analysis):
         """Solve; step 0 has load factor 0 (constant loads only), step 1 load factor 1."""
         run = Run(self, linear=True)
         system, results = run.system, run.results
+        system.straighten()
         require_drive(system, "LinearStatic", constant_counts=True)
         system.check_supports()
         rest = np.zeros_like(system.rest)

@@ -48,8 +48,10 @@ def run(options: argparse.Namespace) -> int:
     """Stretch the curved-cell sheet of the published study."""
     import matplotlib
 
+    from kirigami.drawing.drawing import Drawing
     from kirigami.progress import progress_bar
     from kirigami.study.grips import find_grips
+    from kirigami.study.job import Job
     from kirigami.study.report import Report, write_report
 
     matplotlib.use("Agg")  # files only: no window, no display needed
@@ -70,8 +72,11 @@ def run(options: argparse.Namespace) -> int:
             raise
         results = error.results
         say(str(error))
-    results.name = "sheet of 2 x 5 curved cells"
-    report = Report(results, grips, strain, False, (*notes, *map(str, results.events)))
+    results.name, results.units = "sheet of 2 x 5 curved cells", "SI"
+    assert sheet.thickness is not None and isinstance(sheet.material, kg.Material)
+    job = Job(Drawing(sheet.outline, tuple(sheet.cuts)), sheet.thickness, sheet.material.E, sheet.material.nu,
+              kg.LoadCase(strain, "y", GRIP))  # fmt: skip
+    report = Report(results, job, (*notes, *map(str, results.events)), grips.free_length)
     for line in (*report.notes, *report.text().splitlines()):
         say(f"  {line}")
     files = write_report(report, options.folder, lambda words: print(f"kirigami: {words}", file=sys.stderr))

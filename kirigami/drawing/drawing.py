@@ -17,7 +17,7 @@ from kirigami.drawing.gaps import short_of
 from kirigami.drawing.joining import chained, led_together, without_doubles, without_specks
 from kirigami.drawing.measure import Measure
 from kirigami.drawing.rim import Rim, crossing_text, find_rim, left_out_text
-from kirigami.drawing.roles import Roles, Row, listing, side_of_name, table_lines, table_of
+from kirigami.drawing.roles import Roles, Row, color_name, listing, side_of_name, table_lines, table_of
 from kirigami.drawing.trimming import Trimmed, trimmed, without_effect, without_scrap
 from kirigami.errors import GeometryError, KirigamiWarning, ModelError
 from kirigami.primitives.checks import (
@@ -61,6 +61,8 @@ class Drawing:
         What each layer, colour and line type was taken for.
     left_out : tuple of shapely LineString
         What was drawn and is none of these.
+    curves : tuple of Curve
+        All that was drawn.
     """
 
     outline: Any
@@ -71,11 +73,22 @@ class Drawing:
     table: tuple[Row, ...] = field(default=(), repr=False)
     left_out: tuple[Any, ...] = field(default=(), repr=False)
     fold_shares: tuple[float, ...] = field(default=(), repr=False)
+    curves: tuple[Curve, ...] = field(default=(), repr=False)
 
     @property
     def report(self) -> str:
         """The notes as text, and the table of roles."""
         return "\n".join([*self.notes, *table_lines(self.table)])
+
+    @property
+    def layers(self) -> dict[str, Any]:
+        """What was drawn on each layer, and in each colour, by their names: closed curves as areas, others as lines."""
+        found: dict[str, list[Any]] = {}
+        for curve in self.curves:
+            shape = shapely.Polygon(curve.points) if curve.closed else shapely.LineString(curve.points)
+            for name in {curve.layer, curve.color, color_name(curve.color)} - {""}:
+                found.setdefault(name, []).append(shape if shape.is_valid else shape.boundary)
+        return {name: shapely.union_all(shapes) for name, shapes in found.items()}
 
     def sheet(
         self,
@@ -227,7 +240,10 @@ def assemble(
     largest = max((abs(curve.fold) for curve in folds.inside), default=0.0) or 1.0
     shares = tuple(curve.fold / largest for curve in folds.inside)
     others = [curve for number, curve in enumerate(sorted_ones) if number not in became]
-    return Drawing(outline, tuple(shapes), fold_lines, unit, tuple(said), table, tuple(lines_of(others)), shares)
+    left_out = tuple(lines_of(others))
+    return Drawing(
+        outline, tuple(shapes), fold_lines, unit, tuple(said), table, left_out, shares, tuple(sorted_ones)
+    )
 
 
 def _gap(tolerance: float | str, size: float, unit: str) -> float:

@@ -31,6 +31,7 @@ from kirigami.primitives.parts import Numbering
 
 Index = NDArray[np.int64]
 IN_PLANE = 1e-9  # distance from a mirror plane, over the size of the structure, that is none
+RIGHT_ROUND = np.radians(170.0)  # an edge that turns by half a turn does not say which way it came
 
 
 def facet_edges(mesh: Any) -> Index:
@@ -111,6 +112,7 @@ def held_edge_kernels(holding: Sequence[Any], numbering: Numbering) -> list[Kern
         normal = np.eye(3)[AXES.index(item.mirror)] if item.mirror else np.zeros(3)
         for edge in np.flatnonzero(_on_boundary(mesh, nodes)).tolist():
             if not (held_by_nodes and whole[mesh.edge_facets[edge, 0]]):
+                _check_turn(item, mesh.nodes[mesh.edges[edge]])
                 normals.setdefault(edge, normal)
     if not normals:
         return []
@@ -118,6 +120,20 @@ def held_edge_kernels(holding: Sequence[Any], numbering: Numbering) -> list[Kern
     planes = np.array([normals[edge] for edge in edges.tolist()])
     make = _facet_members if numbering.sheet.rung == "facet" else _hinge_members
     return make(edges, planes, numbering)
+
+
+def _check_turn(item: Any, ends: Array) -> None:
+    """Refuse to turn an edge where its direction could not go along: about itself, or right round."""
+    rotation = getattr(item, "rotation", None)
+    if rotation is None or not rotation.any():
+        return
+    along = (ends[1] - ends[0]) @ rotation / (np.linalg.norm(ends[1] - ends[0]) * np.linalg.norm(rotation))
+    if abs(along) > IN_PLANE or np.linalg.norm(rotation) > RIGHT_ROUND:
+        how = "about itself" if abs(along) > IN_PLANE else "right round"
+        raise ModelError(
+            f"{item!r} with clamp=True turns the edge at ({ends[0][0]:.6g}, {ends[0][1]:.6g}) {how}, which bars "
+            "and hinges and flat facets cannot follow: turn a strip of whole facets, or take stiffness='shell'"
+        )
 
 
 def _hinge_members(edges: Index, planes: Array, numbering: Numbering) -> list[Kernel]:

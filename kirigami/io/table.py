@@ -35,9 +35,10 @@ def curves(results: Results, reactions: Mapping[str, Nodes] | None = None) -> di
     Returns
     -------
     dict of str to ndarray, shape (s,)
-        ``load_factor``, ``stable`` (1, 0, or nan where not counted), ``residual``, ``height`` (largest less smallest z)
-        in 3D, ``energy_KIND`` for each kind of element, ``reaction_NAME_AXIS``, and ``open_area`` (sum over the cuts)
-        where the mesh has cuts.
+        ``load_factor``; of :func:`kirigami.stretch` what was moved and what it takes, such as ``strain`` and ``force``,
+        ``twist`` [degrees] and ``torque``, ``lift_centre`` and ``force_centre``; ``stable`` (1, 0, or nan where not
+        counted), ``residual``, ``height`` (largest less smallest z) in 3D, ``energy_KIND`` for each kind of element,
+        ``reaction_NAME_AXIS``, and ``open_area`` (sum over the cuts) where the mesh has cuts.
 
     Raises
     ------
@@ -57,8 +58,10 @@ def curves(results: Results, reactions: Mapping[str, Nodes] | None = None) -> di
     >>> found["reaction_driven_0_x"].round(12).tolist()
     [0.0, 1.0]
     """
-    found = {
-        "load_factor": results.lam,
+    found = {"load_factor": results.lam}
+    for drive in results.drives:
+        found |= {drive.column: drive.travel(results), drive.response: drive.force(results)}
+    found |= {
         "stable": np.array([np.nan if step.negative is None else float(step.stable) for step in results.steps]),
         "residual": results.residual,
     }

@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 from kirigami.errors import ModelError
 from kirigami.plot import style
 from kirigami.primitives.checks import require_array, require_axis, require_choice
+from kirigami.units import unit_for
 
 if TYPE_CHECKING:
     from kirigami.primitives.node import Node
@@ -29,27 +30,31 @@ def plot_curve(
     x: str | tuple[Any, str] | ArrayLike = "lam",
     ax: Any = None,
     label: str | None = None,
-    color: Any = style.BLUE,
+    color: Any = None,
     markers: bool = True,
 ) -> Any:
     """Draw the force curve: stable parts solid, unstable parts dashed, limit points marked.
+
+    Of results of :func:`kirigami.stretch` and no further words, it is what was asked for: force over strain, torque
+    over twist, and so on.
 
     Parameters
     ----------
     results : Results
         What to draw.
     nodes : Node, int, or sequence of them, optional
-        Supported nodes whose summed reaction is drawn; None draws the load factor.
+        Supported nodes whose summed reaction is drawn; None draws the load factor, or of a stretched sheet the force.
     axis : {"x", "y", "z"} or direction of 2 or 3 numbers
         Component of the reaction.
     x : "lam", (node, axis) or array_like, shape (s,)
-        What it is drawn over: the load factor, a displacement of a node, or your own values such as a strain.
+        What it is drawn over: the load factor (of a stretched sheet and its force, the strain), a displacement of a
+        node, or your own values.
     ax : matplotlib axes, optional
         Where to draw; a new figure by default. Draw twice on the same axes to compare two runs.
     label : str, optional
         Name of the curve in the legend.
-    color : matplotlib colour
-        Colour of the curve.
+    color : matplotlib colour, optional
+        Colour of the curve; None takes the first that no curve on the axes has.
     markers : bool
         Whether to dot the stored steps.
 
@@ -79,19 +84,33 @@ def plot_curve(
     else:
         require_array(axis, (2,), (3,), name="axis", owner="plot_curve")
     across, across_label = _abscissa(results, x, "plot_curve")
-    if nodes is None and isinstance(x, str):
+    drive = results.drives[0] if nodes is None and results.drives and isinstance(x, str) else None
+    if drive is not None:
+        share = 100.0 if drive.kind == "ratio" else 1.0
+        across, up = share * drive.travel(results), drive.force(results)
+        across_label, up_label = drive.titles(bool(results.units))
+        across_label += " [%]" if drive.kind == "ratio" else ""
+    elif nodes is None and isinstance(x, str):
         raise ModelError("plot_curve: give nodes whose reaction is drawn, or x=(node, axis) for the load factor")
-    up = results.lam if nodes is None else results.reaction(nodes, axis)
+    else:
+        up = results.lam if nodes is None else results.reaction(nodes, axis)
+        unit = " [N]" if results.units else ""
+        up_label = "load factor" if nodes is None else "reaction" + f" along {axis}" * isinstance(axis, str) + unit
     firm = np.array([step.negative in (None, 0) for step in results.steps])
     ax = style.new_axes((4.4, 3.2)) if ax is None else ax
+    color = style.next_color(ax) if color is None else color
     if markers and len(across) <= 80:
         ax.plot(across, up, linestyle="none", marker="o", markersize=2.6, color=color)
     # A located limit point is a point of the curve like any other; the stable and the unstable side meet there.
     limits, after = _limit_points(results)
     located = len(after) > 0 and isinstance(x, (str, tuple))
     if located:
-        across = np.insert(across, after, _abscissa(limits, x, "plot_curve")[0])
-        up = np.insert(up, after, limits.lam if nodes is None else limits.reaction(nodes, axis))
+        if drive is not None:
+            there, response = share * drive.travel(limits), drive.force(limits)
+        else:
+            there = _abscissa(limits, x, "plot_curve")[0]
+            response = limits.lam if nodes is None else limits.reaction(nodes, axis)
+        across, up = np.insert(across, after, there), np.insert(up, after, response)
         firm = np.insert(firm, after, True)
         after = after + np.arange(len(after))
     names = {True: label or (None if firm.all() else "stable"), False: None if label else "unstable"}
@@ -104,7 +123,7 @@ def plot_curve(
         name = None if label else "limit point"
         ax.plot(across[after], up[after], linestyle="none", marker="o", markersize=6, zorder=3, label=name, **rim)
     ax.set_xlabel(across_label)
-    ax.set_ylabel("load factor" if nodes is None else f"reaction along {axis}" if isinstance(axis, str) else "reaction")
+    ax.set_ylabel(up_label)
     if ax.get_legend_handles_labels()[0]:
         ax.legend()
     return ax
@@ -116,7 +135,7 @@ def plot_open_area(
     x: str | tuple[Any, str] | ArrayLike = "lam",
     ax: Any = None,
     label: str | None = None,
-    color: Any = style.BLUE,
+    color: Any = None,
     cuts: bool = True,
 ) -> Any:
     """Draw the open area of the cuts: their union bold, each cut by itself thin.
@@ -131,8 +150,8 @@ def plot_open_area(
         Where to draw; a new figure by default.
     label : str, optional
         Name of the curve in the legend.
-    color : matplotlib colour
-        Colour of the bold curve.
+    color : matplotlib colour, optional
+        Colour of the bold curve; None takes the first that no curve on the axes has.
     cuts : bool
         Whether to draw the curve of each cut as well.
 
@@ -164,6 +183,7 @@ def plot_open_area(
     if not each.shape[1]:
         raise ModelError("plot_open_area: the mesh has no cuts")
     ax = style.new_axes((4.4, 3.2)) if ax is None else ax
+    color = style.next_color(ax) if color is None else color
     several = cuts and each.shape[1] > 1
     if several:
         thin = ax.plot(across, each, color=style.GREY, linewidth=0.5, alpha=0.7)
@@ -173,6 +193,10 @@ def plot_open_area(
     ax.plot(across, results.open_area(union=True), color=color, linewidth=1.5, marker="o", markersize=2.6, label=name)
     ax.set_xlabel(across_label)
     ax.set_ylabel("open area")
+    if results.units:
+        unit, factor = unit_for(float(each.max(initial=0.0)), "area")
+        ax.yaxis.set_major_formatter(style.in_units_of(factor))
+        ax.set_ylabel(f"open area [{style.raised(unit)}]")
     ax.set_ylim(bottom=min(0.0, float(each.min())))
     if ax.get_legend_handles_labels()[0]:
         ax.legend()
@@ -190,7 +214,8 @@ def _abscissa(results: Results, x: Any, owner: str) -> tuple[Floats, str]:
         node, axis = x
         require_axis(axis, owner, "the axis in x")
         index = results.node_index(node)
-        return results.u[:, index, "xyz".index(axis)].mean(axis=1), f"displacement along {axis}"
+        unit = " [m]" if results.units else ""
+        return results.u[:, index, "xyz".index(axis)].mean(axis=1), f"displacement along {axis}{unit}"
     return require_array(x, results.lam.shape, name="x", owner=owner), ""
 
 

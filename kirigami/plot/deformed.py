@@ -11,11 +11,15 @@ from kirigami.errors import ModelError
 from kirigami.plot import style
 from kirigami.primitives.checks import require_array, require_choice, require_finite, shown
 from kirigami.results.fields import energy_density
+from kirigami.results.smooth import sectors
+from kirigami.results.stress import sheet_stress
+from kirigami.units import unit_for
 
 if TYPE_CHECKING:
     from kirigami.geometry.mesh import TriMesh
     from kirigami.results.results import Results
 
+MOST_PIECES = 24_000  # that a smooth picture of a sheet is cut into
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
 
@@ -25,7 +29,11 @@ LABELS = {
     "energy": "energy per area",
     "force": "bar force",
     "strain": "bar strain",
+    "stress": "von Mises stress",
 }
+KINDS = {
+    "height": "length", "displacement": "length", "energy": "energy per area", "force": "force", "stress": "stress",
+}  # fmt: skip
 EDGES = ("boundary", "all", "none")
 
 
@@ -41,8 +49,11 @@ def plot_results(
     colorbar: bool = True,
     cmap: Any = None,
     label: str | None = None,
+    smooth: bool = True,
 ) -> Any:
     """Draw the deformed structure at one step.
+
+    Where results are known to be in SI units, axes and colours are in millimetres, megapascals and so on, and say so.
 
     Parameters
     ----------
@@ -53,7 +64,8 @@ def plot_results(
     ax : matplotlib axes, optional
         Where to draw; a new figure by default.
     color : str or array_like, optional
-        "height", "displacement", "energy" (elastic energy per area at rest; of bar structures, energy), for bar
+        "height", "displacement", "energy" (elastic energy per area at rest; of bar structures, energy), "stress" (von
+        Mises', at the face where it is larger; for sheets that know their thickness and material), for bar
         structures also "force" and "strain"; "none" for one plain colour; or one value per node, facet or bar (taken
         as nodal where the numbers agree). By default height for sheets in space, displacement for sheets in the plane,
         and force for bar structures.
@@ -69,6 +81,9 @@ def plot_results(
         Colour map, or its name.
     label : str, optional
         What the colours stand for, at the colour bar.
+    smooth : bool
+        Whether colours and light of a sheet go over from facet to facet, with jumps at cuts and folds. Values given per
+        facet are shown as they are.
 
     Returns
     -------
@@ -92,7 +107,7 @@ def plot_results(
     """
     number = results.step_number(step, "plot")
     looking = chosen_view(results, ax, view)
-    field = Field(results, color)
+    field = Field(results, color, smooth)
     points = displaced(results, results[number].u, magnify)
     held = points if results.mesh is not None else np.concatenate([points, results.rest])
     values = field.at(number)
@@ -100,13 +115,26 @@ def plot_results(
     place = None
     if ax is None:
         ax, place = suitable_axes(held, looking, bar)
-    picture = Picture(results, ax, field, edges, cmap)
+    picture = Picture(results, ax, field, edges, cmap, fine=True)
     picture.scale_colors(values)
     picture.update(points, values)
     frame(ax, held, looking)
+    if results.units and looking == "top":
+        style.axes_in_unit(ax, float(np.ptp(held[:, :2], axis=0).max()))
     if bar:
-        style.color_bar(ax, picture.mappable, field.label if label is None else label, place)
+        color_bar(picture, field, place, label)
     return ax
+
+
+def color_bar(picture: Picture, field: Field, place: Any, label: str | None = None) -> None:
+    """The colour bar of a picture, with a unit where it is known."""
+    text, kind = field.label if label is None else label, field.kind
+    bar = style.color_bar(picture.ax, picture.mappable, text, place)
+    if kind and picture.results.units and label is None:
+        low, high = picture.mappable.get_clim()
+        unit, factor = unit_for(max(abs(low), abs(high)), kind)
+        bar.ax.yaxis.set_major_formatter(style.in_units_of(factor))
+        bar.set_label(f"{text} [{style.raised(unit)}]")
 
 
 def chosen_view(results: Results, ax: Any, view: Any) -> style.View:
@@ -150,9 +178,11 @@ def frame(ax: Any, points: Floats, looking: style.View) -> None:
 class Field:
     """What colour stands for: values per facet of a sheet, or per bar of another structure."""
 
-    def __init__(self, results: Results, color: str | ArrayLike | None) -> None:
+    def __init__(self, results: Results, color: str | ArrayLike | None, smooth: bool = False) -> None:
         self.results = results
         mesh = results.mesh
+        self.smooth = smooth and mesh is not None  # values belong to sectors of nodes, not to facets
+        self.sectors = sectors(results) if mesh is not None else None
         self.cells: Integers = results.bars if mesh is None else mesh.triangles
         given: Any = color
         if color is None:
@@ -161,11 +191,18 @@ class Field:
         self.label = LABELS.get(self.key, "")
         if self.key == "energy" and mesh is None:
             self.label = "energy"
+        self.kind = KINDS.get(self.key, "")
+        if self.label == "energy":
+            self.kind = "energy"
         self._given: Floats | None = None
         if self.key == "given":
-            self._given = self._per_cell(require_array(given, name="color", owner="plot"))
+            values = require_array(given, name="color", owner="plot")
+            if mesh is not None and values.shape == (len(mesh.triangles),) != (len(results.rest),):
+                self.smooth = False
+            self._given = self._per_cell(values)
             return
-        known = [*LABELS, "none"] if mesh is None else ["height", "displacement", "energy", "none"]
+        of_bars = [name for name in LABELS if name != "stress"]
+        known = [*of_bars, "none"] if mesh is None else ["height", "displacement", "energy", "stress", "none"]
         if self.key not in known:
             raise ModelError(f"color {color!r} is unknown: use one of {', '.join(known)}, or an array of values")
 
@@ -174,7 +211,7 @@ class Field:
         return self.key in ("force", "strain")
 
     def at(self, number: int) -> Floats | None:
-        """Values per cell at a stored step; None for plain colour."""
+        """Values per cell, or of a smooth field per sector, at a stored step; None for plain colour."""
         results = self.results
         if self.key == "none":
             return None
@@ -184,13 +221,25 @@ class Field:
             return np.asarray(results.bar_force[number])
         if self.key == "strain":
             return np.asarray(results.bar_strain[number])
+        if self.key == "stress":
+            assert self.sectors is not None
+            stress = sheet_stress(results, number)
+            larger = np.maximum(stress.von_mises("top"), stress.von_mises("bottom"))
+            means = self.sectors.means(larger[None])
+            return np.asarray(means[0] if self.smooth else self.sectors.over_facets(means)[0])
         if self.key == "energy":
             return self._per_cell(energy_density(self.results, number))
         u = results[number].u
         return self._per_cell(results.rest[:, 2] + u[:, 2] if self.key == "height" else np.linalg.norm(u, axis=1))
 
     def _per_cell(self, values: Floats) -> Floats:
-        """Values given per node as means over the nodes of each cell; values given per cell as they are."""
+        """Values given per node as means over the nodes of each cell; values given per cell as they are. Of a smooth
+        field values given per node or sector stand at the sectors."""
+        if self.smooth and self.sectors is not None:
+            if values.shape == (len(self.results.rest),):
+                values = values[self.sectors.node]
+            if values.shape == self.sectors.node.shape and np.isfinite(values).all():
+                return values
         if values.shape == (len(self.results.rest),):
             values = values[self.cells].mean(axis=1)
         if values.shape != (len(self.cells),) or not np.isfinite(values).all():
@@ -205,13 +254,15 @@ class Field:
 class Picture:
     """The drawn structure, which can be moved and coloured anew for each frame of an animation."""
 
-    def __init__(self, results: Results, ax: Any, field: Field, edges: str = "boundary", cmap: Any = None) -> None:
+    def __init__(
+        self, results: Results, ax: Any, field: Field, edges: str = "boundary", cmap: Any = None, fine: bool = False
+    ) -> None:
         from matplotlib import colormaps
         from matplotlib.cm import ScalarMappable
         from matplotlib.colors import Normalize
 
         require_choice(edges, EDGES, "edges", "plot")
-        self.ax = ax
+        self.ax, self.results, self.field = ax, results, field
         if cmap is None:
             cmap = style.diverging_map() if field.diverging else style.sequential_map()
         elif isinstance(cmap, str):
@@ -226,6 +277,10 @@ class Picture:
         else:
             outline = {"boundary": self.mesh.boundary_edges, "all": np.arange(len(self.mesh.edges)), "none": []}
             self.lines = self.mesh.edges[np.asarray(outline[edges], dtype=np.int64)]
+            level = 0
+            while fine and field.smooth and level < 2 and len(self.mesh.triangles) * 4 ** (level + 1) <= MOST_PIECES:
+                level += 1
+            self.pieces = _pieces(level)
             self._artist = self._make_facets()
 
     def scale_colors(self, *values: Floats | None) -> None:
@@ -248,8 +303,16 @@ class Picture:
             self._artist.set_color(style.INK if values is None else self.mappable.to_rgba(values))
             return
         corners = points[self.mesh.triangles]
-        colors = np.tile(_rgba(style.PALE), (len(corners), 1)) if values is None else self.mappable.to_rgba(values)
-        colors[:, :3] *= _light(corners)[:, None]
+        middles = self.pieces.mean(axis=1)  # (pieces, 3 corners of the facet)
+        light = _light(self._normals(corners, middles))
+        corners = np.einsum("pcw,mwx->mpcx", self.pieces, corners).reshape(-1, 3, 3)
+        if values is None:
+            colors = np.tile(_rgba(style.PALE), (len(corners), 1))
+        else:
+            parts = self.field.sectors if self.field.smooth else None
+            here = np.repeat(values, len(middles)) if parts is None else values[parts.corner] @ middles.T
+            colors = self.mappable.to_rgba(here.ravel())
+        colors[:, :3] *= light[:, None]
         # Edges go into the same collection as facets with no area, so that depth sorting hides those at the back.
         ends = points[self.lines]
         polygons = np.concatenate([corners, ends[:, [0, 1, 1]]])
@@ -261,6 +324,18 @@ class Picture:
         self._artist.set_verts(polygons)
         self._artist.set_facecolor(faces)
         self._artist.set_edgecolor(rims)
+
+    def _normals(self, corners: Floats, middles: Floats) -> Floats:
+        """Directions (pieces, 3) in which the pieces face: those of the facets, or smooth ones."""
+        normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+        parts = self.field.sectors
+        if not self.field.smooth or parts is None:
+            return np.repeat(normal, len(middles), axis=0)
+        size = np.linalg.norm(normal, axis=1)
+        normal = normal / np.where(size > 0, size, 1.0)[:, None]
+        at = parts.means(normal.T).T[parts.corner]  # (m, 3 corners, 3)
+        found: Floats = np.einsum("pw,mwx->mpx", middles, at).reshape(-1, 3)
+        return found
 
     def _make_facets(self) -> Any:
         if self.solid:
@@ -294,9 +369,20 @@ def _rgba(color: str) -> Floats:
     return np.array(to_rgba(color))
 
 
-def _light(corners: Floats) -> Floats:
-    """Brightness of facets (m, 3, 3), from 0.8 to 1: enough to see a fold, too little to be taken for a value."""
-    normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+def _pieces(level: int) -> Floats:
+    """A triangle in 4^level like ones: weights (pieces, 3 corners, 3) of its own corners."""
+    pieces = np.eye(3)[None]
+    for _ in range(level):
+        a, b, c = pieces.transpose(1, 0, 2)
+        ab, bc, ca = (a + b) / 2, (b + c) / 2, (c + a) / 2
+        parts = [[a, ab, ca], [ab, b, bc], [ca, bc, c], [ab, bc, ca]]
+        pieces = np.concatenate([np.stack(part, axis=1) for part in parts])
+    return np.asarray(pieces)
+
+
+def _light(normal: Floats) -> Floats:
+    """Brightness from 0.8 to 1 by where a facet (m, 3) faces: enough to see a fold, too little to be taken for a
+    value."""
     size = np.linalg.norm(normal, axis=1)
     towards_light = np.abs(normal @ np.array([-0.48, -0.36, 0.8])) / np.where(size > 0, size, 1.0)
     brightness: Floats = 0.8 + 0.2 * towards_light

@@ -72,7 +72,7 @@ def plot_measure(
     x: str | tuple[Any, str] | ArrayLike = "lam",
     ax: Any = None,
     label: str | None = None,
-    color: Any = style.BLUE,
+    color: Any = None,
 ) -> Any:
     """Draw one value per step: a height, a width, a Poisson ratio, or any measure of your own.
 
@@ -90,8 +90,8 @@ def plot_measure(
         Where to draw; a new figure by default.
     label : str, optional
         Name of the curve in the legend.
-    color : matplotlib colour
-        Colour of the curve.
+    color : matplotlib colour, optional
+        Colour of the curve; None takes the first that no curve on the axes has.
 
     Returns
     -------
@@ -117,6 +117,7 @@ def plot_measure(
     up = require_array(values, results.lam.shape, name="values", owner="plot_measure", finite=False)
     shown = np.isfinite(up)
     ax = style.new_axes((4.4, 3.2)) if ax is None else ax
+    color = style.next_color(ax) if color is None else color
     ax.plot(across[shown], up[shown], color=color, linewidth=1.5, marker="o", markersize=2.6, label=label)
     ax.set(xlabel=across_label, ylabel=name)
     if label:

@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 from kirigami.errors import ModelError
 from kirigami.files import library, whole_file
 from kirigami.plot import style
-from kirigami.plot.deformed import Field, Picture, chosen_view, displaced, frame, suitable_axes
+from kirigami.plot.deformed import Field, Picture, chosen_view, color_bar, displaced, frame, suitable_axes
 from kirigami.primitives.checks import (
     require_callable,
     require_path,
@@ -117,7 +117,7 @@ def animate(
     from matplotlib.backends.backend_agg import FigureCanvasAgg
 
     looking = chosen_view(results, None, view)
-    field = Field(results, color)
+    field = Field(results, color, smooth=True)
     values = [field.at(number) for number in range(len(results))]
     bar = values[0] is not None
     held = np.concatenate([displaced(results, step.u, magnify) for step in results.steps])
@@ -127,7 +127,7 @@ def animate(
     picture.scale_colors(*values)
     frame(ax, held, looking)
     if bar:
-        style.color_bar(ax, picture.mappable, field.label, place)
+        color_bar(picture, field, place)
     way = _way(results.lam)
     canvas: Any = FigureCanvasAgg(figure)
     figure.set_dpi(dpi)

@@ -20,6 +20,7 @@ from kirigami.primitives.checks import (
     require_text,
     shown,
 )
+from kirigami.units import unit_for
 
 INK = "#333333"
 GREY = "#9aa0a6"
@@ -28,6 +29,7 @@ PAPER = "#eef1f5"  # fill of an undeformed sheet
 BLUE = "#0072b2"
 VERMILION = "#d55e00"
 GREEN = "#009e73"
+CURVES = (BLUE, VERMILION, GREEN, "#cc79a7", "#e69f00", "#56b4e9")
 
 SETTINGS: Any = {
     "font.size": 9.0,
@@ -213,6 +215,32 @@ def _seen(points: Floats, view: tuple[float, float]) -> Floats:
     """Places (n, 2) of points on the screen."""
     seen: Floats = points @ _screen(view).T
     return seen
+
+
+def axes_in_unit(ax: Any, size: float) -> None:
+    """Label the axes x and y of a picture of something of a size [m] in a fitting unit."""
+    unit, factor = unit_for(size, "length")
+    for axis, name in ((ax.xaxis, "x"), (ax.yaxis, "y")):
+        axis.set_major_formatter(in_units_of(factor))
+        axis.set_label_text(f"{name} [{unit}]")
+
+
+def in_units_of(factor: float) -> Any:
+    """What labels the ticks of an axis in another unit, which is `factor` times that of its numbers."""
+    from matplotlib.ticker import FuncFormatter
+
+    return FuncFormatter(lambda value, _: f"{value / factor:.6g}")
+
+
+def raised(unit: str) -> str:
+    """A unit with its squares raised."""
+    return unit.replace("m2", "m$^2$")
+
+
+def next_color(ax: Any) -> str:
+    """The first colour that no curve on some axes has."""
+    used = {line.get_color() for line in ax.lines}
+    return next((color for color in CURVES if color not in used), INK)
 
 
 def color_bar(ax: Any, mappable: Any, label: str, place: Any = None) -> Any:

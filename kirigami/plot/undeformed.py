@@ -240,13 +240,14 @@ class _Sketch:
     def supports(self, model: Model) -> None:
         """Fixed, driven and tied nodes; on a sheet, the facets between them."""
         from kirigami.model.constraints import Prescribe, Tie
+        from kirigami.model.turn import Turn
 
         driven = []
         fixed: dict[int, str] = {}  # several Fix may hold one node
         for item in model.constraints:
             nodes = model.index(item.group)
             axes = "".join(axis for axis in item.values if axis in "xyz"[: model.dim])
-            if isinstance(item, Prescribe):
+            if isinstance(item, (Prescribe, Turn)):
                 driven.append((nodes, axes, item))
             elif isinstance(item, Tie):
                 self._mark(model, nodes, "x", style.GREY, f"tied {axes}")

@@ -19,6 +19,7 @@ from kirigami.errors import AnalysisError
 from kirigami.files import whole_file
 from kirigami.primitives.checks import require_path
 from kirigami.primitives.material import from_words, to_words
+from kirigami.results.drives import Drive
 from kirigami.results.results import Results
 from kirigami.results.step import Event, Step
 from kirigami.results.supports import Support
@@ -111,6 +112,8 @@ def pack(results: Results, with_kernels: bool = True) -> dict[str, Any]:
         "sheet": _sheet_words(results.sheet_constants),
         "grips": list(results.grip_nodes),
         "shapes": results.shape_words,
+        "drives": [drive.plain() for drive in results.drives],
+        "units": results.units,
     }
     for position, support in enumerate(results.supports):
         arrays[f"support{position}.nodes"], arrays[f"support{position}.leaders"] = support.nodes, support.leaders
@@ -279,6 +282,8 @@ def _rebuild(head: dict[str, Any], data: dict[str, Any]) -> Results:
     results.mesh = None
     results.shapes, results.shape_words = None, list(head.get("shapes", ()))
     results.grip_nodes = {name: data[f"grip{position}"] for position, name in enumerate(head.get("grips", ()))}
+    results.drives = tuple(map(Drive.from_plain, head.get("drives", ())))
+    results.units = head.get("units", "")
     results.kernels = []
     results.inner_rest = data.get("inner_rest", np.zeros((0, results.dim)))
     rest = np.concatenate([results.rest[:, : results.dim], results.inner_rest])

@@ -20,6 +20,7 @@ from kirigami.results.step import Event, Step
 from kirigami.results.supports import carried_by
 
 if TYPE_CHECKING:
+    from kirigami.results.drives import Drive
     from kirigami.system.system import System
 
 
@@ -46,6 +47,10 @@ class Results(ModelRecord):
         The other shapes at the end, where they were looked for; not kept in files.
     shape_words : list of str
         Which of the known shapes the end is, where they were looked for.
+    drives : tuple of Drive
+        What :func:`kirigami.stretch` moved, and what that takes; see :class:`kirigami.results.drives.Drive`.
+    units : str
+        "SI" where lengths and forces are known to be metres and newtons, "" where they may be any.
 
     Examples
     --------
@@ -73,6 +78,8 @@ class Results(ModelRecord):
         self.grip_nodes: dict[str, NDArray[np.int64]] = {}
         self.shapes: Any = None
         self.shape_words: list[str] = []
+        self.drives: tuple[Drive, ...] = ()
+        self.units = ""
 
     def __setstate__(self, state: dict[str, Any]) -> None:
         """A copy has lists of its own."""

@@ -30,6 +30,7 @@ from kirigami.post.shape import check_flat, principal_values
 from kirigami.primitives.checks import require_choice, require_instance, require_positive, require_whole
 from kirigami.primitives.material import Laminate, SheetMaterial
 from kirigami.results.sheet_state import SheetState, StateReader
+from kirigami.units import unit_for
 
 if TYPE_CHECKING:
     from kirigami.results.results import Results
@@ -247,7 +248,7 @@ def plot_stress(
     material: SheetMaterial | None = None,
     **options: Any,
 ) -> Any:
-    """Draw the deformed sheet, coloured by stress.
+    """Draw the deformed sheet, coloured by stress: means round each node, with the jumps kept across folds and cuts.
 
     Parameters
     ----------
@@ -273,5 +274,13 @@ def plot_stress(
     ModelError
         No such step, kind or fibre, no thickness or material, or a mesh that is not flat.
     """
+    from kirigami.results.smooth import sectors
+
+    step = require_whole(step, "step", "plot_stress")
     values, label = checked_values(sheet_stress(results, step, thickness, material), kind, fibre)
+    if options.get("smooth", True):
+        values = sectors(results).means(values[None])[0]
+    if results.units:
+        unit, factor = unit_for(float(np.abs(values).max(initial=0.0)), "stress")
+        values, label = values / factor, f"{label} [{unit}]"
     return results.plot(step, color=values, **{"label": label, **options})

@@ -17,6 +17,9 @@ if TYPE_CHECKING:
     from kirigami.model.model import Model
 
 
+DRIVES = "Prescribe", "Turn"
+
+
 @dataclass(frozen=True, eq=False)
 class Support:
     """One constraint of the model of a run, as it was then.
@@ -24,8 +27,8 @@ class Support:
     Attributes
     ----------
     name : str
-        "driven_0" and on for what moves with the load factor (``Prescribe``), "fixed_0" and on for what stands still,
-        "tied_0" and on for ties, each counted in the order added.
+        "driven_0" and on for what moves with the load factor (``Prescribe``, ``Turn``), "fixed_0" and on for what
+        stands still, "tied_0" and on for ties, each counted in the order added.
     kind : str
         Type of the constraint, such as "Prescribe".
     nodes : ndarray of int, shape (k,)
@@ -67,14 +70,14 @@ class Support:
     @property
     def driven(self) -> bool:
         """Whether it moves nodes with the load factor."""
-        return self.kind == "Prescribe" and not self.constant
+        return self.kind in DRIVES and not self.constant
 
 
 def named(constraints: Iterable[Any]) -> Iterable[tuple[str, Any]]:
     """Constraints with the names they go by in results and exports."""
     counts: Counter[str] = Counter()
     for item in constraints:
-        moves = type(item).__name__ == "Prescribe" and not item.constant
+        moves = type(item).__name__ in DRIVES and not item.constant
         group = "tied" if item.leaders else "driven" if moves else "fixed"
         yield f"{group}_{counts[group]}", item
         counts[group] += 1

@@ -7,7 +7,10 @@ from kirigami.study.bracket import Bracket, bracket
 from kirigami.study.branches import branches
 from kirigami.study.error_estimate import ErrorEstimate, estimate_error
 from kirigami.study.imperfections import Case, ImperfectionStudy, imperfections, seeds
+from kirigami.study.job import Job
+from kirigami.study.measured import Comparison, Measured, compare, read_measured
 from kirigami.study.mesh_choice import MeshChoice, MeshRun, choose_mesh
+from kirigami.study.places import Place, place
 from kirigami.study.report import Report, stretch_drawing, write_report
 from kirigami.study.shape_links import Branch, Link
 from kirigami.study.shape_study import Shape, ShapeStudy
@@ -18,11 +21,15 @@ __all__ = [
     "Bracket",
     "Branch",
     "Case",
+    "Comparison",
     "ErrorEstimate",
     "ImperfectionStudy",
+    "Job",
     "Link",
+    "Measured",
     "MeshChoice",
     "MeshRun",
+    "Place",
     "Report",
     "Shape",
     "ShapeStudy",
@@ -30,8 +37,11 @@ __all__ = [
     "bracket",
     "branches",
     "choose_mesh",
+    "compare",
     "estimate_error",
     "imperfections",
+    "place",
+    "read_measured",
     "seeds",
     "shapes",
     "stretch_drawing",

@@ -13,6 +13,7 @@ from kirigami.errors import ModelError
 from kirigami.geometry.sheet import Sheet
 from kirigami.model.constraints import Fix, Prescribe
 from kirigami.model.model import Model
+from kirigami.model.turn import Turn
 from kirigami.primitives.checks import require_finite
 from kirigami.primitives.node import Node
 
@@ -77,6 +78,12 @@ class Grips:
         return self.length - 2 * self.strip
 
     @property
+    def sideways(self) -> NDArray[np.float64]:
+        """Unit vector (2,) across the direction, towards larger x, or larger y for a pull along x."""
+        x, y = self.direction.tolist()
+        return np.array([y, -x] if y > 0 or (y == 0 and x < 0) else [-y, x])
+
+    @property
     def names(self) -> tuple[str, str]:
         """The held end and the moved one in words."""
         x, y = self.direction.tolist()
@@ -98,16 +105,28 @@ class Grips:
             for k, along in enumerate(ends)
         }
 
-    def hold(self, model: Model, pull: float) -> tuple[list[Node], list[Node]]:
-        """Clamp both ends of a model made from a mesh and drive one by `pull`; returns the held and the moved nodes."""
+    def hold(
+        self, model: Model, pull: float, shear: float = 0.0, twist: float = 0.0
+    ) -> tuple[list[Node], list[Node]]:
+        """Clamp both ends of a model made from a mesh and drive one along [length], across [length] and about [degrees]
+        the direction; returns the held and the moved nodes."""
         assert model.mesh is not None
         along = model.mesh.nodes[:, :2] @ self.direction
         slack = 1e-9 * model.mesh.size
         held = model.select(index=np.flatnonzero(along <= along.min() + self.strip + slack))
         moved = model.select(index=np.flatnonzero(along >= along.max() - self.strip - slack))
-        x, y = (pull * share if share else None for share in self.direction.tolist())
+        model.add(Fix(held, clamp=True))
+        by = pull * self.direction + shear * self.sideways
+        if twist:
+            axis = np.append(self.direction, 0.0)
+            centre = self.last * self.direction + 0.5 * sum(self.across) * np.array(
+                [-self.direction[1], self.direction[0]]
+            )
+            model.add(Turn(moved, twist, axis, about=centre, shift=by, clamp=True))
+            return held, moved
+        x, y = (share if share else None for share in by.tolist())
         still = ("x" if x is None else "") + ("y" if y is None else "") + "z"
-        model.add(Fix(held, clamp=True), Fix(moved, still, clamp=True), Prescribe(moved, x=x, y=y))
+        model.add(Fix(moved, still, clamp=True), Prescribe(moved, x=x, y=y))
         return held, moved
 
 

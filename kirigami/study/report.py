@@ -7,6 +7,7 @@ import os
 import warnings
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -14,14 +15,21 @@ import numpy as np
 
 from kirigami import units
 from kirigami.drawing.convert import read_drawing
+from kirigami.drawing.roles import listed
 from kirigami.elements.stiffness import Calibration
 from kirigami.errors import ConvergenceError, KirigamiError, KirigamiWarning
 from kirigami.files import whole_file
 from kirigami.primitives.kernel import Array
 from kirigami.primitives.material import Material
+from kirigami.results.drives import Drive
+from kirigami.results.fields import facet_strain
 from kirigami.results.results import Results
+from kirigami.results.smooth import known_stress, sectors
 from kirigami.results.step import Event
-from kirigami.study.grips import Grips, find_grips
+from kirigami.study.job import Job
+from kirigami.study.load_case import STRAIN, LoadCase
+from kirigami.study.measured import Comparison
+from kirigami.study.setting import set_up
 from kirigami.study.stretch import stretch
 
 if TYPE_CHECKING:
@@ -38,62 +46,86 @@ class Report:
     Attributes
     ----------
     results : Results
-        The path.
-    grips : Grips
-        Where the sheet was held, and which way it was pulled.
-    wanted : float
-        The strain that was asked for.
-    cycle : bool
-        Whether the way back was asked for too.
+        The path; what was moved is in ``results.drives``.
+    job : Job
+        What was asked for.
     notes : tuple of str
         What was read, assumed, done and met.
+    free_length : float, optional
+        Between the grips [m], where there are grips.
+    measured : Comparison, optional
+        A measured curve against the computed one.
     files : list of Path
         What was written.
     """
 
     results: Results
-    grips: Grips
-    wanted: float
-    cycle: bool
+    job: Job
     notes: tuple[str, ...]
+    free_length: float | None = None
+    measured: Comparison | None = None
     files: list[Path] = field(default_factory=list)
 
     @property
     def complete(self) -> bool:
         """Whether the whole way was gone."""
-        end = 0.0 if self.cycle else 1.0
+        end = 0.0 if self.job.case.cycle else 1.0
         lam = self.results.lam
         return bool(abs(lam[-1] - end) < 1e-9 and abs(lam.max() - 1.0) < 1e-9)
 
     @property
-    def strain(self) -> Array:
-        """Grip displacement over free length at each step (s,)."""
-        strain: Array = self.wanted * self.results.lam
-        return strain
+    def drive(self) -> Drive:
+        """What the case is about: the first thing it moves."""
+        return self.results.drives[0]
 
-    @property
+    @cached_property
+    def motion(self) -> Array:
+        """Strain, shear, twist [degrees] or lift [m] at each step (s,)."""
+        return self.drive.travel(self.results)
+
+    @cached_property
     def force(self) -> Array:
-        """Force of the moved grip along the pull at each step (s,) [N]; negative where it pushes."""
-        force: Array = self.results.reaction(self.results.grips["moved"])[:, :2] @ self.grips.direction
-        return force
+        """What that takes at each step (s,) [N, or N m for a twist]; negative where it pushes."""
+        return self.drive.force(self.results)
+
+    @cached_property
+    def stress(self) -> Array | None:
+        """Von Mises' stress at the faces as means round each node (s, k) [Pa]; None where it is not known."""
+        return known_stress(self.results)
 
     @property
     def numbers(self) -> dict[str, Any]:
         """What a person or a program wants to know first, in SI units."""
-        results, force, mesh = self.results, self.force, self.results.mesh
+        results, force, motion, mesh = self.results, self.force, self.motion, self.results.mesh
         assert mesh is not None
-        peak = int(np.abs(force).argmax())
-        return {
+        peak, moved = int(np.abs(force).argmax()), self.drive.motion
+        response = "torque" if self.drive.turns else "force"
+        found: dict[str, Any] = {
             "nodes": len(mesh.nodes),
             "facets": len(mesh.triangles),
             "cuts": len(mesh.cuts),
-            "strain": float(self.strain[-1]),
-            "largest_strain": float(self.strain[np.abs(self.strain).argmax()]),
-            "displacement": float(self.strain[-1]) * self.grips.free_length,
-            "free_length": self.grips.free_length,
-            "largest_force": float(force[peak]),
-            "strain_at_largest_force": float(self.strain[peak]),
-            "last_force": float(force[-1]),
+            moved: float(motion[-1]),
+            f"largest_{moved}": float(motion[np.abs(motion).argmax()]),
+        }
+        if self.free_length is not None:
+            found["free_length"] = self.free_length
+            if self.drive.kind == "ratio":
+                found["displacement"] = float(motion[-1]) * self.free_length
+        found |= {
+            f"largest_{response}": float(force[peak]),
+            f"{moved}_at_largest_{response}": float(motion[peak]),
+            f"last_{response}": float(force[-1]),
+        }
+        for drive in results.drives[1:]:
+            found |= {drive.column: float(drive.travel(results)[-1]), drive.response: float(drive.force(results)[-1])}
+        strain = sectors(results)
+        found["largest_material_strain"] = float(np.abs(strain.means(facet_strain(results))).max())
+        if self.stress is not None:
+            found["largest_stress"] = float(self.stress.max())
+            found[f"{moved}_at_largest_stress"] = float(motion[self.stress.max(axis=1).argmax()])
+        if self.measured is not None:
+            found |= self.measured.numbers
+        return found | {
             "height": float(results.height()[-1]),
             "open_area": float(results.open_area(union=True)[-1]) if mesh.cuts else 0.0,
             "steps": len(results),
@@ -106,18 +138,32 @@ class Report:
 
     def text(self) -> str:
         """The numbers as lines."""
-        n = self.numbers
+        n, drive, lam = self.numbers, self.drive, self.results.lam
+        takes, unit = ("torque", "N m") if drive.turns else ("force", "N")
+        reached = drive.says(lam[-1], si=True)
+        peak = drive.says(lam[int(np.abs(self.force).argmax())], si=True)
+        way = f"{drive.motion} {reached}" if drive.motion != "lift" else f"{drive.name} by {reached}"
+        if "displacement" in n:
+            assert self.free_length is not None
+            way += (
+                f" = {units.show(n['displacement'], 'length')} of grip displacement / "
+                f"{units.show(self.free_length, 'length')} between the grips"
+            )
+        material = f"strain of the material up to {100 * n['largest_material_strain']:.3g} %"
+        if self.stress is not None:
+            where = drive.says(lam[int(self.stress.max(axis=1).argmax())], si=True)
+            material += f", stress up to {units.show(float(f'{self.stress.max():.3g}'), 'stress')} at {where}"
+        if n["cuts"]:
+            material += " (at the tips of cuts both grow with a finer mesh)"
         lines = [
             f"nodes {n['nodes']}, facets {n['facets']}, cuts {n['cuts']}",
-            (
-                f"strain {100 * n['strain']:.4g} % = {units.show(n['displacement'], 'length')} of grip displacement / "
-                f"{units.show(n['free_length'], 'length')} between the grips"
-            ),
-            (
-                f"largest force {n['largest_force']:.4g} N at strain {100 * n['strain_at_largest_force']:.4g} %, "
-                f"last {n['last_force']:.4g} N"
-            ),
+            way,
+            f"largest {takes} {n[f'largest_{takes}']:.4g} {unit} at {drive.motion} {peak}, "
+            f"last {n[f'last_{takes}']:.4g} {unit}",
+            *(self._further(other) for other in self.results.drives[1:]),
+            material,
             f"height {units.show(n['height'], 'length')}, open area {n['open_area']:.4g} m2",
+            *([str(self.measured)] if self.measured is not None else []),
             (
                 f"{n['steps']} steps, {n['stable_steps']} stable, largest residual {n['largest_residual']:.1e}, "
                 f"{n['factorizations']} factorizations, {n['seconds']:.1f} s"
@@ -126,10 +172,16 @@ class Report:
         lines += self.results.shape_words
         if not self.complete:
             lines.append(
-                f"the path ended at {100 * self.results.lam[-1]:.3g} % of the way, at a strain of "
-                f"{100 * n['strain']:.4g} %: see the events"
+                f"the path ended at {100 * lam[-1]:.3g} % of the way, at a {drive.motion} of {reached}: see the events"
             )
         return "\n".join(lines)
+
+    def _further(self, drive: Drive) -> str:
+        """A second motion in words."""
+        title, unit = drive.takes, "N m" if drive.turns else "N"
+        moved = drive.motion if drive.motion != "lift" else drive.name
+        says = drive.says(self.results.lam[-1], si=True)
+        return f"{moved} {says}: {title} {drive.force(self.results)[-1]:.4g} {unit}"
 
 
 def stretch_drawing(
@@ -138,7 +190,7 @@ def stretch_drawing(
     thickness: float | str,
     E: float | str,
     nu: float = 0.34,
-    strain: float | str = 0.2,
+    strain: float | str = STRAIN,
     direction: str | float = "y",
     accuracy: str = "standard",
     cycle: bool = False,
@@ -149,6 +201,7 @@ def stretch_drawing(
     imperfection: float | str | None = None,
     seed: int = 0,
     shapes: bool = False,
+    case: LoadCase | None = None,
     progress: bool = False,
     say: Callable[[str], None] = lambda note: None,
     **reading: Any,
@@ -176,6 +229,8 @@ def stretch_drawing(
         Longest edge of the mesh [m], in the place of a budget of nodes.
     imperfection : float or str, optional
         Height of the stress-free imperfection [m]; None takes the one of :func:`kirigami.stretch`.
+    case : LoadCase, optional
+        Everything that is done to the sheet, in the place of strain, direction, cycle and grip; lengths in metres.
     say : callable
         Called with each note as soon as it is known, so that a slip shows before the path is followed.
     **reading
@@ -206,21 +261,32 @@ def stretch_drawing(
     >>> report.complete, round(report.numbers["displacement"], 9)
     (True, 0.001)
     """
+    if case is None:
+        case = LoadCase(units.parse(strain, "ratio"), direction, _length(grip), cycle=cycle)
+    job = Job(
+        drawing, thickness, E, nu, case, accuracy, nodes, max_edge, stiffness, imperfection, seed, shapes, reading
+    )  # fmt: skip
+    return run_job(job, progress, say)
+
+
+def run_job(job: Job, progress: bool, say: Callable[[str], None]) -> Report:
+    """Read the drawing of a job, do what its case says, and report; see :func:`stretch_drawing`."""
     notes: list[str] = []
 
     def note(words: str) -> None:
         notes.append(words)
         say(words)
 
-    thick, modulus = units.parse(thickness, "length"), units.parse(E, "stress")
-    wanted = units.parse(strain, "ratio")
-    if isinstance(drawing, (str, os.PathLike)):
-        name, drawn = Path(drawing).stem, _read_in_metres(drawing, thick, reading, say)
+    thick, modulus = units.parse(job.thickness, "length"), units.parse(job.E, "stress")
+    if isinstance(job.drawing, (str, os.PathLike)):
+        name, drawn = Path(job.drawing).stem, _read_in_metres(job.drawing, thick, _with_marks(job), say)
     else:
-        name, drawn = "sheet", drawing
-    sheet = drawn.sheet(thick, Material(E=modulus, nu=nu))
-    grips = find_grips(sheet, direction, _length(grip))
-    for doubt in units.doubts(thickness=thick, size=max(_size(sheet.bounds)), E=modulus, strain=wanted):
+        name, drawn = "sheet", job.drawing
+    case = job.case.in_drawing(drawn.layers) if any(where.kind == "layer" for where in job.case.places) else job.case
+    sheet = drawn.sheet(thick, Material(E=modulus, nu=job.nu))
+    setting = set_up(case, sheet)
+    grips, drive = setting.grips, setting.drives[0]
+    for doubt in units.doubts(thickness=thick, size=max(_size(sheet.bounds)), E=modulus, strain=case.strain):
         warnings.warn(doubt, KirigamiWarning, stacklevel=2)
     for words in drawn.notes:
         note(words)
@@ -229,26 +295,42 @@ def stretch_drawing(
         words = f"{number} of the drawing left out of the model: the sheet is stretched as if it were not creased"
         warnings.warn(words, KirigamiWarning, stacklevel=2)
         notes.append(words)
-    note(f"thickness {units.show(thick, 'length')}, E {units.show(modulus, 'stress')}, nu {nu:g}")
-    note(
-        f"strain {units.show(wanted, 'ratio')} to reach (load factor 1), "
-        f"{units.show(wanted * grips.free_length, 'length')} of grip displacement{' and back' if cycle else ''}"
-    )
+    note(f"thickness {units.show(thick, 'length')}, E {units.show(modulus, 'stress')}, nu {job.nu:g}")
+    back = " and back" if case.cycle else ""
+    for drive in setting.drives:
+        whole = drive.says(1.0, si=True)
+        if grips is not None and drive.kind == "ratio":
+            by = units.show(drive.whole * grips.free_length, "length")
+            note(f"{drive.motion} {whole} to reach (load factor 1), {by} of grip displacement{back}")
+        elif drive.motion == "lift":
+            note(f"{drive.name} by {whole} (load factor 1){back}")
+        else:
+            note(f"{drive.motion} {whole} to reach (load factor 1){back}")
     try:
         results = stretch(
-            sheet, wanted, direction, accuracy, cycle=cycle, grip=_length(grip), nodes=nodes,
-            max_edge=_length(max_edge), stiffness=stiffness, amplitude=_length(imperfection),
-            seed=seed, shapes=shapes, progress=progress, say=note,
+            sheet, accuracy=job.accuracy, nodes=job.nodes, max_edge=_length(job.max_edge), stiffness=job.stiffness,
+            amplitude=_length(job.imperfection), seed=job.seed, shapes=job.shapes, case=case, progress=progress,
+            say=note,
         )  # fmt: skip
     except ConvergenceError as error:
         results = error.results
         if results is None or not len(results):
             raise
         results.events.append(Event("failed", float(results.lam[-1]), len(results) - 1, str(error)))
-    results.name = name
+    results.name, results.units = name, "SI"
     for event in results.events:
         note(str(event))
-    return Report(results, grips, wanted, cycle, tuple(notes))
+    return Report(results, job, tuple(notes), None if grips is None else grips.free_length)
+
+
+def _with_marks(job: Job) -> dict[str, Any]:
+    """The options of the reader, which leaves out the layers that are but places of the case."""
+    marks = [where.name for where in job.case.places if where.kind == "layer"]
+    if not marks:
+        return job.reading
+    told = {name.casefold() for key in ("outline", "cuts", "folds", "ignore") for name in listed(job.reading.get(key))}
+    more = [name for name in dict.fromkeys(marks) if name.casefold() not in told]
+    return {**job.reading, "ignore": [*listed(job.reading.get("ignore")), *more]}
 
 
 def _shapes_in_numbers(results: Results) -> dict[str, Any]:
@@ -274,9 +356,9 @@ def _size(bounds: tuple[float, float, float, float]) -> tuple[float, float]:
 def write_report(report: Report, folder: str | os.PathLike[str], say: Callable[[str], None] = print) -> list[Path]:
     """Write all files of a stretched drawing into a folder; parts whose library is missing are skipped with a word.
 
-    ``report.json``, ``curves.csv``, ``results.npz``, ``rest.png``, ``deformed.png``, ``above.png``, ``force.png``,
-    ``opening.png`` of a sheet with cuts, ``page.html``, and ``vtk/`` for ParaView; ``shapes.csv`` and ``shapes.png``
-    where other shapes were looked for.
+    ``report.json``, ``case.json`` (which runs the job again), ``curves.csv``, ``results.npz``, ``page.html``, ``vtk/``
+    for ParaView, and pictures: ``rest.png``, ``deformed.png``, ``above.png``, ``stress.png``, ``force.png``, and
+    ``opening.png`` of a sheet with cuts; ``shapes.csv`` and ``shapes.png`` where other shapes were looked for.
 
     Parameters
     ----------
@@ -307,6 +389,8 @@ def write_report(report: Report, folder: str | os.PathLike[str], say: Callable[[
         unfinished.write_text(json.dumps(content, indent=1) + "\n", encoding="utf-8")
     to_csv(results, files[1])
     results.save(files[2])
+    if isinstance(report.job.drawing, (str, os.PathLike)) and not isinstance(report.job.stiffness, Calibration):
+        files.append(report.job.save(target / "case.json"))
     files += write_pictures(report, target)
     if results.shapes is not None:
         results.shapes.table(target / "shapes.csv")

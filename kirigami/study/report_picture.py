@@ -1,22 +1,29 @@
-"""The pictures of a report: the sheet at rest and stretched, the force and the open area over the strain."""
+"""The pictures of a report: the sheet at rest and deformed, its stress, force and open area over what was done."""
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from kirigami.files import whole_file
+from kirigami.primitives.kernel import Array
+from kirigami.units import unit_for
 
 if TYPE_CHECKING:
+    from kirigami.results.results import Results
     from kirigami.study.report import Report
 
-OBLIQUE = (48.0, -62.0)  # steep enough to see through the openings, flat enough to see the heights
-LARGE = 1.0  # m: sheets from this size on are drawn in metres, smaller ones in millimetres
+OBLIQUE = (48.0, -62.0)  # flat enough to see the heights
+ELEVATIONS, AZIMUTHS = (35.0, 42.0, 48.0), (-75.0, -62.0, -50.0, -105.0, -118.0, -130.0)  # to choose from
+PLAIN = 0.1  # of the openings that are seen, which a usual view may give away for being usual
 
 
 def write_pictures(report: Report, folder: Path) -> list[Path]:
-    """Write ``rest.png``, ``deformed.png``, ``above.png``, ``force.png`` and, of a sheet with cuts, ``opening.png``."""
+    """Write the pictures of a report as PNG files; which there are is up to the sheet."""
     from matplotlib import pyplot
 
     files = []
@@ -32,49 +39,102 @@ def write_pictures(report: Report, folder: Path) -> list[Path]:
 def pictures(report: Report) -> dict[str, Callable[[], Any]]:
     """What draws each picture of a report, by the name of its file; each returns the axes."""
     from kirigami import plot
+    from kirigami.plot import style
 
     results, mesh = report.results, report.results.mesh
     assert mesh is not None
-    large = mesh.size >= LARGE
-    unit, area, lengths = ("m", "m$^2$", 1.0) if large else ("mm", "cm$^2$", 1e3)
+    drive = report.drive
+    across = 100 * report.motion if drive.kind == "ratio" else report.motion
 
-    def in_plane(ax: Any) -> Any:
-        for axis, name in ((ax.xaxis, "x"), (ax.yaxis, "y")):
-            _scale(axis, lengths)
-            axis.set_label_text(f"{name} [{unit}]")
+    def rest() -> Any:
+        ax = plot.plot_model(results.model)
+        style.axes_in_unit(ax, mesh.size)
         return ax
 
-    def coloured(**view: Any) -> Any:
-        ax = plot.plot_results(results, label=f"height z [{unit}]", **view)
-        _scale(ax.figure.axes[-1].yaxis, lengths)
+    def over_motion(ax: Any) -> Any:
+        ax.set_xlabel(f"{drive.title}{MOTION_UNITS[drive.kind]}")
+        if drive.kind == "length":
+            unit, factor = unit_for(float(np.abs(report.motion).max()), "length")
+            ax.xaxis.set_major_formatter(style.in_units_of(factor))
+            ax.set_xlabel(f"{drive.title} [{unit}]")
         return ax
-
-    def over_strain(ax: Any, quantity: str) -> Any:
-        ax.set_xlabel("strain: grip displacement / free length [%]")
-        ax.set_ylabel(quantity)
-        return ax
-
-    def force() -> Any:
-        moved = results.grips["moved"]
-        ax = plot.plot_curve(results, moved, report.grips.direction, x=100 * report.strain)
-        return over_strain(ax, "force of the grip [N]")
 
     def opening() -> Any:
-        ax = plot.plot_open_area(results, x=100 * report.strain)
-        _scale(ax.yaxis, 1.0 if large else 1e4)
-        return over_strain(ax, f"open area seen from above [{area}]")
+        return over_motion(plot.plot_open_area(results, x=across))
 
+    view = view_of_openings(results)
     drawn: dict[str, Callable[[], Any]] = {
-        "rest.png": lambda: in_plane(plot.plot_model(results.model)),
-        "deformed.png": lambda: coloured(view=OBLIQUE),
-        "above.png": lambda: in_plane(coloured(view="top")),
-        "force.png": force,
+        "rest.png": rest,
+        "deformed.png": lambda: plot.plot_results(results, view=view),
+        "above.png": lambda: plot.plot_results(results, view="top"),
+        "force.png": lambda: over_motion(style.styled(_force)(report, across)),
     }
+    if report.stress is not None:
+        drawn["stress.png"] = lambda: plot.plot_results(results, color="stress", view=view, cmap="YlOrRd")
     return {**drawn, "opening.png": opening} if mesh.cuts else drawn
 
 
-def _scale(axis: Any, factor: float) -> None:
-    """Label the ticks of an axis in another unit, at round numbers of it."""
-    from matplotlib.ticker import FuncFormatter
+MOTION_UNITS = {"ratio": " [%]", "angle": " [degrees]", "length": ""}
 
-    axis.set_major_formatter(FuncFormatter(lambda value, _: f"{factor * value:.6g}"))
+
+def _force(report: Report, across: Array) -> Any:
+    """Force or torque over the motion, each of another motion in a colour of its own, and what was measured."""
+    from kirigami import plot
+
+    results, drives = report.results, report.results.drives
+    title = f"{report.drive.takes} [{'N m' if report.drive.turns else 'N'}]"
+    alike = [other for other in drives[1:] if other.turns == report.drive.turns]
+    several = len(alike) > 0 or report.measured is not None
+    ax = plot.plot_measure(results, report.force, title, x=across, label="computed" if several and not alike else None)
+    if alike:
+        ax.lines[-1].set_label(report.drive.takes)
+        for other in alike:
+            plot.plot_measure(results, other.force(results), x=across, ax=ax, label=other.takes)
+        ax.set_ylabel("torque [N m]" if report.drive.turns else "force [N]")
+        ax.legend()
+    loose = np.array([step.negative not in (None, 0) for step in results.steps])
+    if loose.any():
+        ax.plot(across[loose], report.force[loose], linestyle="none", marker="x", color="k", label="unstable")
+        ax.legend()
+    if report.measured is not None:
+        measured = report.measured
+        share = 100.0 if report.drive.kind == "ratio" else 1.0
+        look = {"linestyle": "none", "marker": "o", "markersize": 3.2, "markerfacecolor": "none", "color": "#d55e00"}
+        ax.plot(share * measured.motion, measured.measured.force, label=f"measured: {measured.measured.name}", **look)
+        ax.legend()
+    return ax
+
+
+def view_of_openings(results: Results, step: int = -1) -> tuple[float, float]:
+    """The elevation and azimuth [degrees] from which most of the openings is seen, and the heights too.
+
+    An opening seen along v shows the part A.v of its vector area A. Of sheets without cuts, or whose cuts stay shut,
+    the usual view.
+
+    Examples
+    --------
+    >>> import kirigami as kg
+    >>> mesh = kg.TriMesh([(0, 0), (1, 0), (0, 1)], [(0, 1, 2)])
+    >>> m = kg.Model.from_mesh(mesh, thickness=0.01, material=kg.Material(E=1e6))
+    >>> res = kg.Results(kg.System(m))
+    >>> res.append(kg.Step.at(m, 1.0, [[0, 0, 0], [0, 0, 0], [0, 0, 0.5]]))
+    >>> view_of_openings(res)
+    (48.0, -62.0)
+    """
+    mesh = results.mesh
+    if mesh is None or not mesh.cuts:
+        return OBLIQUE
+    points = results.position()[step]
+    areas = []
+    for cut in mesh.cuts:
+        loop = points[cut.loop] - points[cut.loop].mean(axis=0)
+        areas.append(0.5 * np.cross(loop, np.roll(loop, -1, axis=0)).sum(axis=0))
+
+    def seen(view: tuple[float, float]) -> float:
+        up, round_ = np.radians(view)
+        along = np.array([np.cos(up) * np.cos(round_), np.cos(up) * np.sin(round_), np.sin(up)])
+        return float(np.abs(np.array(areas) @ along).sum())
+
+    usual = seen(OBLIQUE)
+    best = max(itertools.product(ELEVATIONS, AZIMUTHS), key=seen)
+    return best if seen(best) > (1 + PLAIN) * usual else OBLIQUE

@@ -1,4 +1,4 @@
-"""A sheet held at one end and pulled at the other, in one call: what the command line does, without files."""
+"""A sheet held and moved as a load case says, in one call: what the command line does, without files."""
 
 from __future__ import annotations
 
@@ -20,14 +20,18 @@ from kirigami.primitives.checks import (
     require_callable,
     require_choice,
     require_finite,
+    require_instance,
     require_positive,
     require_whole,
 )
 from kirigami.primitives.kernel import Array
 from kirigami.primitives.material import SheetMaterial, uniaxial_stiffness
 from kirigami.primitives.node import Node
+from kirigami.results.drives import Drive
 from kirigami.results.results import Results
-from kirigami.study.grips import Grips, find_grips
+from kirigami.study.grips import find_grips
+from kirigami.study.load_case import STRAIN, LoadCase
+from kirigami.study.setting import set_up
 
 
 @dataclass(frozen=True)
@@ -45,12 +49,13 @@ ACCURACY = {
     "fine": Level("shell", 6000, 1e-8),
 }
 STORED = (0.002, 0.005, 0.01, 0.02, 0.05, *np.linspace(0.1, 1.0, 10).tolist())  # shares of the pull that are stored
+TURN = 8.0  # degrees that a twisted grip turns from one stored state to the next
 LOCKED = 0.05  # mean strain of the material beyond which cuts no longer give way
 
 
 def stretch(
     sheet: Sheet,
-    strain: float = 0.2,
+    strain: float = STRAIN,
     direction: str | float = "y",
     accuracy: str = "standard",
     *,
@@ -64,10 +69,11 @@ def stretch(
     amplitude: float | None = None,
     seed: int = 0,
     shapes: bool = False,
+    case: LoadCase | None = None,
     progress: bool = False,
     say: Callable[[str], None] | None = None,
 ) -> Results:
-    """Hold one end of a sheet, pull or push the other, and follow the sheet through buckling.
+    """Hold a sheet, pull, push, shear, twist or lift it, and follow it through buckling.
 
     The grips clamp the two ends of the sheet along the direction: its edges there where they are straight, else strips
     of 4 % of its length. They keep their shape, and one of them moves by strain times the free length between them.
@@ -105,6 +111,8 @@ def stretch(
     shapes : bool
         Also look which other shapes the sheet can take at the whole strain, see :func:`kirigami.study.shapes`: the
         study is in ``results.shapes``, and ``results.summary()`` says which of them the pull led to. Some minutes more.
+    case : LoadCase, optional
+        Everything that is done to the sheet, in the place of strain, direction, cycle and grip.
     progress : bool
         Show a progress bar.
     say : callable, optional
@@ -113,18 +121,19 @@ def stretch(
     Returns
     -------
     Results
-        Load factor 1 is the whole strain. ``grips["held"]`` and ``grips["moved"]`` are the nodes of the grips (their
-        indices, once saved and loaded): ``reaction(grips["moved"], "y")`` is the force of a pull along y. After Ctrl-C
-        what was found until then.
+        Load factor 1 is the whole strain, or whatever else the case asks for. ``grips["held"]`` and ``grips["moved"]``
+        are the nodes of the grips (their indices, once saved and loaded): ``reaction(grips["moved"], "y")`` is the
+        force of a pull along y. Places of a case are there as ``grips["lifted centre"]``, ``grips["held rim"]``. After
+        Ctrl-C what was found until then.
 
     Raises
     ------
     ModelError
-        A request that makes no sense, or no thickness or material.
+        A request that makes no sense, a place that is not on the sheet, or no thickness or material.
     GeometryError
         The sheet cannot be meshed.
     ConvergenceError
-        The sheet could not be followed to the whole strain: the message says how far, ``error.results`` is the path up
+        The sheet could not be followed all the way: the message says how far, ``error.results`` is the path up
         to there.
 
     Warns
@@ -141,30 +150,35 @@ def stretch(
     4.0
     """
     say = _in_silence if say is None else require_callable(say, "say", "stretch")
-    require_boolean(cycle, "cycle", "stretch")
     require_boolean(shapes, "shapes", "stretch")
+    case = _checked_case(case, strain, direction, cycle, grip)
     require_boolean(progress, "progress", "stretch")
     if nodes is not None:
         require_whole(nodes, "nodes", "stretch", least=1)
     level = _level(accuracy)
-    sheet, strain = _checked(sheet, strain, thickness, material)
-    grips = find_grips(sheet, direction, None if grip is None else require_finite(grip, "grip", "stretch"))
-    say(f"{'strips' if grips.strip else 'edges'} held at the {' and '.join(grips.names)}")
-    mesh = default_mesh(sheet, grips, level.nodes if nodes is None else nodes, max_edge)
+    sheet = _checked(sheet, thickness, material)
+    setting = set_up(case, sheet)
+    for words in setting.told:
+        say(words)
+    mesh = default_mesh(sheet, setting.lines, level.nodes if nodes is None else nodes, max_edge)
     say(f"{len(mesh.nodes)} nodes, {len(mesh.triangles)} facets" if mesh.sizing is None else f"mesh: {mesh.sizing}")
-    model, held, moved = held_model(mesh, grips, strain, level.stiffness if stiffness is None else stiffness)
+    model = Model.from_mesh(mesh, stiffness=level.stiffness if stiffness is None else stiffness)
+    chosen = setting.hold(model)
     model.imperfect(amplitude, seed=seed)
-    grip_nodes = {"held": model.index(held), "moved": model.index(moved)}
-    targets = [*STORED, *STORED[-2::-1]] if cycle else list(STORED)
-    analysis = DisplacementControl(model, targets=targets, to=0.0 if cycle else 1.0, tol=level.tol)
+
+    def named(results: Results) -> Results:
+        results.grip_nodes = {name: model.index(nodes) for name, nodes in chosen.items()}
+        results.drives = setting.drives
+        return results
+
+    analysis = DisplacementControl(model, targets=stored(case), to=0.0 if case.cycle else 1.0, tol=level.tol)
     try:
-        results = analysis.run(progress=progress)
+        results = named(analysis.run(progress=progress))
     except ConvergenceError as error:
         if error.results is not None:
-            error.results.grip_nodes = grip_nodes
-        raise _short_of(error, strain, cycle) from error
-    results.grip_nodes = grip_nodes
-    _warn_of_lock(results, sheet, strain)
+            named(error.results)
+        raise _short_of(error, setting.drives[0], case.cycle) from error
+    _warn_of_lock(results, sheet, setting.drives[0])
     if shapes and not any(event.kind == "interrupted" for event in results.events):
         look_for_shapes(results, seed, progress, say)
     return results
@@ -184,13 +198,13 @@ def look_for_shapes(results: Results, seed: int, progress: bool, say: Callable[[
     results.shape_words = results.shapes.words(end)
 
 
-def held_model(
-    mesh: TriMesh, grips: Grips, strain: float, stiffness: str | Calibration
-) -> tuple[Model, list[Node], list[Node]]:
-    """The flat model of a mesh between its grips, one of them driven to a strain; the held nodes and the moved ones."""
-    model = Model.from_mesh(mesh, stiffness=stiffness)
-    held, moved = grips.hold(model, strain * grips.free_length)
-    return model, held, moved
+def stored(case: LoadCase) -> list[float]:
+    """Load factors whose states are stored; close enough that a grip turns by no more than the path can predict."""
+    shares = set(STORED)
+    legs = int(np.ceil(abs(case.twist) / TURN))
+    shares |= {round(share, 12) for share in np.linspace(0.0, 1.0, legs + 1)[1:].tolist()}
+    there = sorted(shares)
+    return [*there, *there[-2::-1]] if case.cycle else there
 
 
 def pulled_sheet(
@@ -198,7 +212,8 @@ def pulled_sheet(
 ) -> tuple[Model, list[Node]]:
     """Model of a sheet with its imperfection between its grips, to be pulled, and the nodes that are pulled."""
     grips = find_grips(sheet, direction)
-    model, _, moved = held_model(default_mesh(sheet, grips, None, max_edge), grips, strain, stiffness)
+    model = Model.from_mesh(default_mesh(sheet, grips.lines(), None, max_edge), stiffness=stiffness)
+    _, moved = grips.hold(model, strain * grips.free_length)
     model.imperfect()
     return model, moved
 
@@ -208,19 +223,12 @@ def _level(accuracy: str) -> Level:
     return ACCURACY[accuracy]
 
 
-def _checked(
-    sheet: Sheet, strain: Any, thickness: float | None, material: SheetMaterial | None
-) -> tuple[Sheet, float]:
-    """The sheet with its thickness and material, and the strain."""
+def _checked(sheet: Sheet, thickness: float | None, material: SheetMaterial | None) -> Sheet:
+    """The sheet with its thickness and material."""
     if not isinstance(sheet, Sheet):
         raise ModelError(
             f"stretch takes a Sheet, got {type(sheet).__name__}; Sheet.from_dxf and its kin read drawings"
         )
-    strain = require_finite(strain, "strain", "stretch")
-    if strain == 0:
-        raise ModelError("stretch: strain must be a number other than zero: negative to push, positive to pull")
-    if strain <= -1:
-        raise ModelError(f"stretch: a strain of {100 * strain:.6g} % would push one grip through the other")
     thickness = sheet.thickness if thickness is None else thickness
     material = sheet.material if material is None else material
     if isinstance(material, SheetMaterial):
@@ -229,23 +237,37 @@ def _checked(
         missing = "thickness" if thickness is None else "material"
         raise ModelError(f"stretch: the sheet has no {missing}: give one to the Sheet or to stretch")
     thickness = require_positive(thickness, "thickness", "stretch")
-    return Sheet(sheet.outline, sheet.cuts, thickness, material, sheet.folds, sheet.regions), strain
+    return Sheet(sheet.outline, sheet.cuts, thickness, material, sheet.folds, sheet.regions)
 
 
-def default_mesh(sheet: Sheet, grips: Grips, nodes: int | None, max_edge: float | None) -> TriMesh:
-    """The mesh of a sheet between its grips, within a budget of nodes unless a longest edge is given."""
+def _checked_case(
+    case: LoadCase | None, strain: float, direction: str | float, cycle: bool, grip: float | None
+) -> LoadCase:
+    """The case, from its own description or from the arguments for a plain pull."""
+    require_boolean(cycle, "cycle", "stretch")
+    strain = require_finite(strain, "strain", "stretch")
+    if case is None:
+        return LoadCase(strain, direction, grip, cycle=cycle)
+    require_instance(case, LoadCase, "case", "stretch")
+    if strain != STRAIN or direction != "y" or cycle or grip is not None:
+        raise ModelError("stretch: give strain, direction, cycle and grip to the LoadCase, not beside it")
+    return case
+
+
+def default_mesh(sheet: Sheet, lines: dict[str, Any], nodes: int | None, max_edge: float | None) -> TriMesh:
+    """The mesh of a sheet with lines, within a budget of nodes unless a longest edge is given."""
     if max_edge is not None or nodes is None:
-        return sheet.mesh(max_edge, lines=grips.lines())
-    return sheet.mesh(nodes=round(require_positive(nodes, "nodes", "stretch")), lines=grips.lines())
+        return sheet.mesh(max_edge, lines=lines)
+    return sheet.mesh(nodes=round(require_positive(nodes, "nodes", "stretch")), lines=lines)
 
 
-def _short_of(error: ConvergenceError, strain: float, cycle: bool) -> ConvergenceError:
-    """The failure of a path in terms of the strain that was asked for."""
-    reached = 0.0 if error.results is None or not len(error.results) else 100 * strain * float(error.results.lam[-1])
-    way = f"{100 * strain:.4g} %" + (" and back" if cycle else "")
+def _short_of(error: ConvergenceError, drive: Drive, cycle: bool) -> ConvergenceError:
+    """The failure of a path in terms of what was asked for."""
+    reached = 0.0 if error.results is None or not len(error.results) else float(error.results.lam[-1])
+    way = drive.says(1.0) + (" and back" if cycle else "")
     message = str(error).partition("\nHint: ")[0]
     return ConvergenceError(
-        f"the sheet was followed to a strain of {reached:.4g} % on the way to {way}: {message}",
+        f"the sheet was followed to a {drive.motion} of {drive.says(reached)} on the way to {way}: {message}",
         results=error.results,
         history=error.history,
         worst_nodes=error.worst_nodes,
@@ -263,12 +285,12 @@ def material_strain(results: Results, sheet: Sheet) -> Array:
     return strain
 
 
-def _warn_of_lock(results: Results, sheet: Sheet, strain: float) -> None:
+def _warn_of_lock(results: Results, sheet: Sheet, drive: Drive) -> None:
     beyond = np.flatnonzero(material_strain(results, sheet) > LOCKED)
     if beyond.size:
-        reached = 100 * strain * float(results.lam[beyond[0]])
+        reached = drive.says(float(results.lam[beyond[0]]))
         warnings.warn(
-            f"at a strain of {reached:.4g} % the material itself is strained by {100 * LOCKED:g} % on average: the "
+            f"at a {drive.motion} of {reached} the material itself is strained by {100 * LOCKED:g} % on average: the "
             "sheet is locked from about there, and what lies beyond follows a linear law that materials may not",
             KirigamiWarning,
             stacklevel=3,

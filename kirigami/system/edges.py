@@ -52,9 +52,26 @@ def held_middles(
     return np.concatenate(numbers), np.concatenate(changes)
 
 
-def held_angles(edges: EdgeRows, nodes: Index, dim: int) -> Index:
-    """Numbers of the unknown angles of edges that a clamp of `nodes` holds."""
+def held_angles(edges: EdgeRows, nodes: Index, dim: int, turning: bool = False) -> Index:
+    """Numbers of the unknown angles of edges that a clamp of `nodes` holds.
+
+    Edges of facets that are wholly `turning` are left to find theirs: these facets have their direction by their nodes.
+    """
     inside = np.isin(np.arange(int(edges.ends.max()) + 1), nodes)
+    within = edges_within(edges.edge, edges.ends, inside)
+    if turning:
+        whole = inside[edges.triangles].all(axis=1)
+        within[edges.edge[whole]] = False
     edge, row = edges.pairs
-    held = row[edges_within(edges.edge, edges.ends, inside)[edge]]
+    held = row[within[edge]]
     return np.asarray((held[:, None] * dim + np.arange(2)).ravel())
+
+
+def turned_angles(edges: EdgeRows, numbers: Index, rotation: Array, rest: Array) -> Array:
+    """What a rotation by the vector `rotation` (3,) makes of held angles: as much as edges turn about themselves.
+
+    That share of the rotation is the same all the way, since it is about the same axis for the edge as it turns.
+    """
+    field = np.zeros((len(rest), 3))
+    edges.turn(rest, rotation, field)
+    return np.asarray(field.ravel()[numbers])

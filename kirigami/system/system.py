@@ -234,7 +234,7 @@ class System(Unknowns):
     def potential_rate(self, u: Array, lam: float) -> float:
         """Change of the total potential with the load factor at an equilibrium: what the drive works."""
         x = self.configuration(u)
-        rate = float((self.forces(u, lam)[0].ravel() * self.drive).sum())
+        rate = float((self.forces(u, lam)[0].ravel() * self.drive_at(lam)).sum())
         for kernel in self.kernels:
             if kernel.scaled:
                 rate += float(kernel.by_load(x, lam, 0).energy.sum())
@@ -245,7 +245,7 @@ class System(Unknowns):
         x = self.configuration(u)
         plan = self.plan
         with self.clock("assembly"):
-            drive = self.drive.reshape(self.rest.shape)
+            drive = self.drive_at(lam).reshape(self.rest.shape)
             rate = plan.multiply(blocks, drive) if drive.any() else np.zeros_like(drive)
         for kernel in self.kernels:
             if kernel.scaled:

@@ -18,6 +18,7 @@ class Unknowns:
     """The map between unknowns q and displacements, u = T q + lam * drive + held, where T only picks.
 
     Ties are resolved into a leader and an offset for each displacement, so that several may pick the same unknown.
+    What turns (:class:`kirigami.model.turn.Turn`) leaves the straight line on arcs; `drive` is its rate at rest.
     """
 
     def __init__(self, numbering: Numbering, constraints: Sequence[Any]) -> None:
@@ -30,6 +31,7 @@ class Unknowns:
         fixed = np.zeros(dofs, dtype=bool)
         drive, held = np.zeros(dofs), np.zeros(dofs)
         owner: Index = np.full(dofs, -1)
+        self.arcs: list[Any] = []
         for position, item in enumerate(constraints):
             nodes = numbering.index(item.group)
             leaders = numbering.index(item.leaders)
@@ -46,13 +48,21 @@ class Unknowns:
                 else:
                     fixed[at] = True
             if numbering.edges is not None:
-                from kirigami.system.edges import held_angles, held_middles  # a truss needs no mesh
+                from kirigami.system.edges import held_angles, held_middles, turned_angles  # a truss needs no mesh
 
                 still, change = held_middles(numbering.edges, item, nodes, leaders, self.rest)
                 (held if item.constant else drive)[still] = change
+                middles = still // self.dim
                 if item.clamp or item.mirror:
-                    still = np.concatenate([still, held_angles(numbering.edges, nodes, self.dim)])
+                    rotation = item.rotation if hasattr(item, "rotation") else None
+                    angles = held_angles(numbering.edges, nodes, self.dim, rotation is not None)
+                    if rotation is not None:
+                        change = turned_angles(numbering.edges, angles, rotation, self.rest)
+                        (held if item.constant else drive)[angles] = change
+                    still = np.concatenate([still, angles])
                 owner[still], fixed[still] = position, True
+            if hasattr(item, "rotation") and not item.constant:
+                self._turn(item, nodes, middles if numbering.edges is not None else nodes[:0], drive)
         fixed |= numbering.idle.ravel()
         for _ in range(dofs):
             following = np.flatnonzero(leader[leader] != leader)
@@ -79,7 +89,46 @@ class Unknowns:
         self.free = int(heads.size)
         self.drive = drive
         self.held = held
+        self._tied: Index = tied
         self.constrained = (owner.reshape(-1, self.dim) >= 0) | numbering.idle
+
+    def _turn(self, item: Any, nodes: Index, middles: Index, drive: Array) -> None:
+        """Drive nodes, and the middles of edges between them, along arcs."""
+        from kirigami.model.turn import Arc  # what turns nothing needs no arcs
+
+        if self.dim == 2 and item.axis[:2].any():
+            raise ModelError(f"{item!r}: in a model with dim=2 only axis='z' turns nodes in the plane")
+        rows = np.concatenate([nodes, np.unique(middles)])
+        numbers = rows[:, None] * self.dim + np.arange(self.dim)
+        arms = np.zeros((len(rows), 3))
+        arms[:, : self.dim] = self.rest[rows]
+        arms[: len(nodes)] -= item.about  # middles are offsets from the ends of their edges
+        arc = Arc(numbers, arms, item.rotation)
+        drive[numbers] = arc.start
+        drive[numbers[: len(nodes)]] += item.shift[: self.dim]
+        self.arcs.append(arc)
+
+    def straighten(self) -> None:
+        """Let what turns go on along its rate at rest, as a linear analysis takes it."""
+        self.arcs = []
+
+    def known(self, lam: float) -> Array:
+        """What constraints say of all displacements (dofs,) at a load factor."""
+        u: Array = lam * self.drive + self.held
+        return self._add_arcs(u, [arc.beyond(lam) for arc in self.arcs])
+
+    def drive_at(self, lam: float) -> Array:
+        """Change of that (dofs,) with the load factor."""
+        return self._add_arcs(self.drive.copy(), [arc.rate_beyond(lam) for arc in self.arcs])
+
+    def _add_arcs(self, u: Array, parts: list[Array]) -> Array:
+        if parts:
+            beyond = np.zeros_like(u)
+            for arc, part in zip(self.arcs, parts):
+                beyond[arc.numbers] = part
+            beyond[self._tied] += beyond[self.leader[self._tied]]
+            u += beyond
+        return u
 
     @staticmethod
     def _check_conflict(
@@ -99,7 +148,7 @@ class Unknowns:
 
     def displacement(self, q: Array, lam: float) -> Array:
         """Displacements (n, dim) for unknowns `q` (free,) at load factor `lam`."""
-        u: Array = lam * self.drive + self.held
+        u = self.known(lam)
         moving = self.unknown >= 0
         u[moving] += q[self.unknown[moving]]
         return u.reshape(self.rest.shape)

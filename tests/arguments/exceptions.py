@@ -16,7 +16,7 @@ NOT_CALLED: dict[str, str] = {
         """Mode Results Step Event Rigidity Framework bloch.GuestMode tilings.Gap tilings.Neck stiffness.SheetConstants
         study.AccuracyStudy study.Bracket study.Branch study.Case study.ErrorEstimate study.ImperfectionStudy study.Link
         study.MeshChoice study.MeshRun study.Report study.Report.text study.Shape study.ShapeStudy
-        study.write_report""".split(),
+        study.write_report study.Comparison study.Measured study.Place study.Place.*""".split(),
         ANSWER,
     ),
     **dict.fromkeys(
@@ -32,7 +32,7 @@ NOT_CALLED: dict[str, str] = {
         Results.step_number Results.configuration Results.rows System.joined System.settled System.parted System.c*
         System.displacement System.forces System.imbalance System.l*
         System.matrix System.potential_rate System.re* System.start_stage System.stiffness_blocks
-        System.unknowns""".split(),
+        System.unknowns System.drive_at System.known System.straighten""".split(),
         STEPS,
     ),
     "Normal": "made by the rung that needs it",
@@ -42,6 +42,8 @@ NOT_CALLED: dict[str, str] = {
     "stiffness.rung_named": "a check itself",
     "post.curvature.angle_rows": "a piece of curvature, called by it alone",
     "post.shape.principal_values": "a piece of other measures, called by them alone",
+    "study.compare": "the job behind `kirigami stretch --compare`, whose arguments are tested there",
+    "study.Job.run": "the job behind `kirigami stretch`, whose arguments are tested there",
     "study.stretch_drawing": "the job behind `kirigami stretch`, whose arguments are tested there",
 }
 
@@ -77,6 +79,14 @@ ACCEPTED: dict[tuple[str, str], tuple[str, tuple[str, ...]]] = {
     ("Sheet", "folds"): ("no folds", ("empty list",)),
     ("TriMesh", "folds"): ("no folds", ("empty list",)),
     ("TriMesh.with_folds", "folds"): ("no folds", ("empty list",)),
+    ("LoadCase", "hold"): ("nothing held", ("dict", "empty list", "empty array")),
+    ("LoadCase", "lift"): ("nothing lifted", ("dict", "empty list", "empty array")),
+    ("LoadCase.from_plain", "kept"): ("a pull as usual", ("dict",)),
+    ("study.Job", "reading"): ("no options", ("dict",)),
+    **dict.fromkeys(
+        (("study.Job", "thickness"), ("study.Job", "E"), ("study.Job", "max_edge"), ("study.Job", "imperfection")),
+        ("a number without a unit is in SI units", ("number as text",)),
+    ),
     ("TriMesh.with_cuts", "cuts"): ("as in TriMesh: every inner boundary is a cut", ("None",)),
     ("TriMesh.with_sets", "mine"): ("a set without nodes", ("empty list", "empty array")),
     ("units.parse", "text"): ("a number without a unit is in SI units", ("number as text",)),

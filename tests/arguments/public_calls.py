@@ -39,6 +39,17 @@ def sheet() -> kg.Sheet:
     return kg.Sheet(shapely.box(0, 0, 1, 1), [[(0.3, 0.5), (0.7, 0.5)]], 0.02, STEEL)
 
 
+def job() -> dict[str, Any]:
+    return {"drawing": "plate.dxf", "thickness": 0.1, "E": 1e9, "nodes": 100, "max_edge": 0.1, "imperfection": 0.01}
+
+
+@cache
+def measured() -> Path:
+    file = folder() / "measured.csv"
+    file.write_text("displacement [mm],force [N]\n0,0\n1,2\n")
+    return file
+
+
 def plate(stiffness: str = "plate") -> kg.Model:
     """Clamped at the left, lifted at the right."""
     m = kg.Model.from_mesh(mesh(), stiffness=stiffness)
@@ -332,6 +343,29 @@ CALLS: dict[str, Callable[[], Call]] = {
     ),
     "stiffness.report": lambda: (kg.stiffness.report, {"mesh": mesh(), "thickness": 0.1, "material": STEEL}),
     "stiffness.directional_bias": lambda: (kg.stiffness.directional_bias, {"mesh": mesh()}),
+    "units.unit_for": lambda: (units("unit_for"), {"value": 0.02, "kind": "length"}),
+    "Turn": lambda: (kg.Turn, {"nodes": kg.Node(1, 0), "angle": 30.0, "axis": "z", "about": (0, 0)}),
+    "Turn.held": lambda: (kg.Turn(kg.Node(1, 0), 30.0).held, {"lam": 0.5}),
+    "LoadCase": lambda: (
+        kg.LoadCase,
+        {"strain": 0.1, "grip": 0.01, "shear": 0.1, "twist": 10.0, "lift": {"centre": 0.1}, "hold": "left"},
+    ),
+    "LoadCase.in_drawing": lambda: (
+        kg.LoadCase(hold="layer:marks").in_drawing,
+        {"layers": {"marks": shapely.box(0, 0, 1, 1)}},
+    ),
+    "LoadCase.plain": lambda: (kg.LoadCase().plain, {}),
+    "LoadCase.plain_words": lambda: (kg.LoadCase().plain_words, {}),
+    "LoadCase.values": lambda: (kg.LoadCase().values, {}),
+    "LoadCase.from_plain": lambda: (kg.LoadCase.from_plain, {"kept": {"strain": 0.1}}),
+    "study.place": lambda: (kg.study.place, {"where": (0.1, 0.2)}),
+    "study.Job": lambda: (kg.study.Job, job()),
+    "study.Job.save": lambda: (kg.study.Job(**job()).save, {"path": folder() / "case.json"}),
+    "study.Job.load": lambda: (
+        kg.study.Job.load,
+        {"path": kg.study.Job(**job()).save(folder() / "loaded.json")},
+    ),
+    "study.read_measured": lambda: (kg.study.read_measured, {"path": measured()}),
     "stretch": lambda: (
         kg.stretch,
         {

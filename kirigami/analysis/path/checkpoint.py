@@ -121,6 +121,8 @@ def fingerprint(system: System, settings: PathSettings) -> str:
     digest = hashlib.sha256()
     for name in ("rest", "unknown", "leader", "drive", "held"):
         _add(digest, getattr(system, name), system.model)
+    if system.arcs:
+        _add(digest, system.known(1.0), system.model)
     for kernel in system.kernels:
         _add(digest, [type(kernel).__name__, kernel.conn, _content(kernel)], system.model)
     _add(digest, [type(settings).__name__, settings.memorable()], system.model)

@@ -281,6 +281,8 @@ class ArcLength(PathAnalysis):
 
     def make_control(self, system: System) -> Control:
         require_drive(system, type(self).__name__)
+        if system.arcs:
+            raise ModelError("ArcLength: nodes that a Turn drives leave the straight line: use DisplacementControl")
         return ArcLengthControl(system)
 
     def plan(self, control: Control, point: Point) -> Increments:

@@ -1,0 +1,119 @@
+"""What a load case moves, by name, and the force or torque that it takes: kept with results."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from kirigami import units
+from kirigami.primitives.kernel import Array
+
+if TYPE_CHECKING:
+    from kirigami.results.results import Results
+
+
+@dataclass(frozen=True, eq=False)
+class Drive:
+    """One thing that a load case moves, and the force or torque that this takes.
+
+    Attributes
+    ----------
+    motion : str
+        "strain", "shear", "twist" or "lift".
+    name : str
+        What moves, in words: "moved grip", "lifted centre".
+    group : str
+        Its nodes, in ``results.grips``.
+    kind : str
+        What the motion is measured in: "ratio", "angle" [degrees] or "length".
+    whole : float
+        The motion at load factor 1.
+    direction : ndarray, shape (3,)
+        Of the force, or the axis of the torque.
+    """
+
+    motion: str
+    name: str
+    group: str
+    kind: str
+    whole: float
+    direction: Array
+
+    @property
+    def turns(self) -> bool:
+        """Whether it takes a torque."""
+        return self.kind == "angle"
+
+    def travel(self, results: Results) -> Array:
+        """The motion at each step (s,)."""
+        travelled: Array = self.whole * results.lam
+        return travelled
+
+    def force(self, results: Results) -> Array:
+        """Force [force], or torque [force length], that the support puts on what moves, at each step (s,)."""
+        nodes = results.grips[self.group]
+        if not self.turns:
+            along: Array = results.reaction(nodes, self.direction)
+            return along
+        index = results.node_index(nodes)
+        arms = results.position()[:, index]
+        arms = arms - arms.mean(axis=1, keepdims=True)
+        # A rigid group has no offsets of edges in the plane of the turn, so its nodes bear the whole torque.
+        moments: Array = np.cross(arms, results._gradients[:, index]).sum(axis=1) @ self.direction
+        return moments
+
+    @property
+    def column(self) -> str:
+        """The motion as the name of a column: "strain", "twist", "lift_centre"."""
+        return f"lift_{self.place}" if self.motion == "lift" else self.motion
+
+    @property
+    def response(self) -> str:
+        """What it takes as the name of a column: "force", "force_shear", "torque", "force_centre"."""
+        if self.motion == "lift":
+            return f"force_{self.place}"
+        return {"strain": "force", "shear": "force_shear", "twist": "torque"}[self.motion]
+
+    @property
+    def place(self) -> str:
+        """Where, for a name: "centre", "0.03_0.04"."""
+        words = self.name.removeprefix("lifted ").replace(":", " ").replace(",", " ").split()
+        return "_".join(words)
+
+    @property
+    def title(self) -> str:
+        """The motion in words: "strain", "lift of centre"."""
+        return f"lift of {self.name.removeprefix('lifted ')}" if self.motion == "lift" else self.motion
+
+    @property
+    def takes(self) -> str:
+        """What it takes in words: "force of the grip", "torque of the grip", "force at centre"."""
+        if self.motion == "lift":
+            return f"force at {self.name.removeprefix('lifted ')}"
+        return {"shear": "force across the pull", "twist": "torque of the grip"}.get(self.motion, "force of the grip")
+
+    def titles(self, si: bool = False) -> tuple[str, str]:
+        """Motion and response as titles of axes, with their units as far as these are known."""
+        unit = {"ratio": "", "angle": " [degrees]", "length": " [m]" * si}[self.kind]
+        return f"{self.title}{unit}", f"{self.takes}{(' [N m]' if self.turns else ' [N]') * si}"
+
+    def says(self, share: float, si: bool = False) -> str:
+        """The motion at a load factor, in words."""
+        value = self.whole * share
+        if self.kind == "ratio":
+            return f"{100 * value:.4g} %"
+        if self.kind == "angle":
+            return f"{value:.4g} degrees"
+        return units.show(value, "length") if si else f"{value:.4g}"
+
+    def plain(self) -> list[Any]:
+        """What a results file keeps."""
+        return [self.motion, self.name, self.group, self.kind, self.whole, self.direction.tolist()]
+
+    @classmethod
+    def from_plain(cls, kept: list[Any]) -> Drive:
+        """The drive that a results file keeps."""
+        motion, name, group, kind, whole, direction = kept
+        return cls(motion, name, group, kind, whole, np.array(direction, dtype=float))

@@ -1,0 +1,144 @@
+"""Values of facets as smooth fields: means round each node, with the jumps kept across folds and cuts.
+
+A facet knows its stress in the mean, and its neighbours' differ by the size of the mesh; the mean over the facets round
+a node, weighted with their areas, is better by an order where the field is smooth. Across a fold it is not, and across
+a cut there is nothing to average. So round each node the facets are parted into *sectors* by folds; the two lips of a
+cut have nodes of their own anyhow.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kirigami.errors import AnalysisError, KirigamiError
+from kirigami.geometry.mesh import TriMesh
+from kirigami.primitives.kernel import Array
+from kirigami.results.results import Results
+from kirigami.results.stress import sheet_stress
+
+Index = NDArray[np.int64]
+SHARP = np.radians(30.0)  # angle at rest from which an edge is a fold and no bend of the surface
+
+
+@dataclass(frozen=True, eq=False)
+class Sectors:
+    """The smooth pieces of a sheet round each of its nodes.
+
+    Attributes
+    ----------
+    corner : ndarray of int, shape (m, 3)
+        Sector of each corner of each facet.
+    node : ndarray of int, shape (k,)
+        Node of each sector; without folds sectors are the nodes of the facets, in their order.
+    """
+
+    corner: Index
+    node: Index
+    _share: Array  # area (m,) of the facets
+
+    def means(self, values: Array) -> Array:
+        """Means (s, k) over the facets of each sector, weighted with their areas, of values (s, m)."""
+        weight = np.bincount(self.corner.ravel(), np.repeat(self._share, 3), len(self.node))
+        rows = [np.bincount(self.corner.ravel(), np.repeat(row * self._share, 3), len(self.node)) for row in values]
+        return np.array(rows).reshape(len(values), len(self.node)) / weight
+
+    def over_facets(self, means: Array) -> Array:
+        """Means (s, m) of the three corners of each facet."""
+        found: Array = means[:, self.corner].mean(axis=2)
+        return found
+
+
+def sectors(results: Results) -> Sectors:
+    """The smooth pieces of the sheet of some results.
+
+    Raises
+    ------
+    AnalysisError
+        The model was not made from a mesh.
+
+    Examples
+    --------
+    >>> import kirigami as kg
+    >>> mesh = kg.TriMesh([(0, 0), (1, 0), (1, 1), (0, 1)], [(0, 1, 2), (0, 2, 3)])
+    >>> m = kg.Model.from_mesh(mesh, thickness=0.01, material=kg.Material(E=1e9), stiffness="shell")
+    >>> crease = m.add(kg.Crease([m.nodes[0], m.nodes[2]], stiffness=0.0))
+    >>> sectors(kg.Results(kg.System(m))).node.tolist()  # the nodes on the fold have one on each side
+    [0, 0, 1, 2, 2, 3]
+    """
+    from scipy.sparse import coo_matrix
+    from scipy.sparse.csgraph import connected_components
+
+    mesh = results.mesh
+    if mesh is None:
+        raise AnalysisError("smooth fields need a model made by Model.from_mesh", results=results)
+    smooth = np.flatnonzero((mesh.edge_facets[:, 1] >= 0) & ~folded_edges(results, mesh))
+    first, second = mesh.edge_facets[smooth].T
+    at, beside = [], []
+    for end in mesh.edges[smooth].T:
+        at.append(3 * first + np.argmax(mesh.triangles[first] == end[:, None], axis=1))
+        beside.append(3 * second + np.argmax(mesh.triangles[second] == end[:, None], axis=1))
+    rows, columns = np.concatenate(at), np.concatenate(beside)
+    size = mesh.triangles.size
+    joined = coo_matrix((np.ones(len(rows)), (rows, columns)), shape=(size, size))
+    count, label = connected_components(joined, directed=False)
+    node = np.empty(count, dtype=np.int64)
+    node[label] = mesh.triangles.ravel()
+    order = np.argsort(node, kind="stable")
+    place = np.empty(count, dtype=np.int64)
+    place[order] = np.arange(count)
+    return Sectors(place[label].reshape(-1, 3), node[order], np.asarray(mesh.facet_areas))
+
+
+def folded_edges(results: Results, mesh: TriMesh) -> NDArray[np.bool_]:
+    """Which edges of the mesh (e,) are creases of shell facets, or fold sharply at rest."""
+    rest = results.rest[: len(mesh.nodes)]
+    corners = rest[mesh.triangles]
+    normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    normal /= np.linalg.norm(normal, axis=1)[:, None]
+    first, second = mesh.edge_facets.T
+    inner = second >= 0
+    folded = inner & ((normal[first] * normal[second]).sum(axis=1) < np.cos(SHARP))
+    for kernel in results.kernels:
+        if kernel.name != "shell" or not np.array_equal(kernel.conn[:, :3], mesh.triangles):
+            continue
+        # Facets on the two sides of a crease have angles of their own at its edge.
+        angle: dict[tuple[int, ...], set[int]] = {}
+        for facet, (a, b, c) in enumerate(mesh.triangles.tolist()):
+            for pair, row in zip(((a, b), (b, c), (c, a)), kernel.conn[facet, 6:].tolist()):
+                angle.setdefault(tuple(sorted(pair)), set()).add(row)
+        folded |= inner & np.array([len(angle[tuple(sorted(pair))]) > 1 for pair in mesh.edges.tolist()])
+    return np.asarray(folded)
+
+
+def surface_stress(results: Results, parts: Sectors | None = None) -> Array:
+    """Von Mises' stress at the face where it is larger, as means over sectors (s, k) [force / length^2].
+
+    Parameters
+    ----------
+    results : Results
+        Of a model made from a flat mesh, whose thickness and material are known.
+    parts : Sectors, optional
+        As :func:`sectors` finds them.
+
+    Raises
+    ------
+    KirigamiError
+        The stress is not known; see :func:`kirigami.results.stress.sheet_stress`.
+    """
+    parts = sectors(results) if parts is None else parts
+    rows = []
+    for step in range(len(results)):
+        stress = sheet_stress(results, step)
+        rows.append(np.maximum(stress.von_mises("top"), stress.von_mises("bottom")))
+    return parts.means(np.array(rows).reshape(len(results), -1))
+
+
+def known_stress(results: Results, parts: Sectors | None = None) -> Array | None:
+    """The same, or None where the stress is not known."""
+    try:
+        return surface_stress(results, parts)
+    except KirigamiError:
+        return None
