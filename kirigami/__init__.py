@@ -33,6 +33,9 @@ _HOME = {
     "Tie": "model.constraints",
     "Turn": "model.turn",
     "NodalLoad": "model.loads",
+    "EdgeLoad": "model.spread_loads",
+    "AreaLoad": "model.spread_loads",
+    "Gravity": "model.spread_loads",
     "Calibration": "elements.stiffness",
     "System": "system.system",
     "Kernel": "primitives.kernel",
@@ -139,6 +142,9 @@ if TYPE_CHECKING:
     from kirigami.model.constraints import Tie as Tie
     from kirigami.model.loads import NodalLoad as NodalLoad
     from kirigami.model.model import Model as Model
+    from kirigami.model.spread_loads import AreaLoad as AreaLoad
+    from kirigami.model.spread_loads import EdgeLoad as EdgeLoad
+    from kirigami.model.spread_loads import Gravity as Gravity
     from kirigami.model.turn import Turn as Turn
     from kirigami.primitives.check_kernel import check_kernel as check_kernel
     from kirigami.primitives.kernel import Contribution as Contribution

@@ -28,7 +28,7 @@ def to_abaqus(
 ) -> Path:
     """Write the same sheet as a shell model, ready to run in Abaqus or CalculiX.
 
-    Mesh, thickness, material, stress-free imperfection, supports and nodal loads are handed over; the elements of
+    Mesh, thickness, material, stress-free imperfection, supports and dead loads are handed over; the elements of
     `stiffness` are not, since the shell has its own; a sheet that has lost or gained elements is refused. There is
     one static step with large displacements for each target, and before them one for what acts at load factor zero.
     Reactions and displacements of the supports are printed (CalculiX: file .dat), displacements of all nodes are

@@ -119,7 +119,7 @@ def to_openseespy(
 ) -> Path:
     """Write the same sheet as a shell model in OpenSeesPy, a script that runs by itself.
 
-    Mesh, thickness, material, stress-free imperfection, supports and nodal loads are handed over; the elements of
+    Mesh, thickness, material, stress-free imperfection, supports and dead loads are handed over; the elements of
     `stiffness` are not, and a sheet that has lost or gained some is refused. The element is ShellNLDKGT, a thin
     triangle with large displacements; its free drilling rotations make it a few per cent soft in tension on coarse
     meshes. The script prints the support reactions at the targets and writes them to a CSV file if it is given a

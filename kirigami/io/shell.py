@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,11 +15,15 @@ from kirigami.errors import ModelError
 from kirigami.model.constraints import Constraint, Fix, Prescribe
 from kirigami.model.loads import NodalLoad
 from kirigami.model.model import Model
+from kirigami.model.spread_loads import AreaLoad, EdgeLoad, Gravity, SpreadLoad, Surface
 from kirigami.primitives.checks import require_array, require_instance, shown
 from kirigami.primitives.kernel import Array
 from kirigami.primitives.material import Material
 from kirigami.primitives.node import AXES
+from kirigami.primitives.parts import Numbering
 from kirigami.results.supports import named
+
+LOADS = (NodalLoad, EdgeLoad, AreaLoad, Gravity)  # that shell triangles take as nodal forces
 
 
 @dataclass(eq=False)
@@ -63,7 +68,7 @@ def shell_of(model: Model, owner: str) -> Shell:
     Parameters
     ----------
     model : Model
-        Made by ``Model.from_mesh`` with any `stiffness`, in three dimensions, with supports and nodal loads only.
+        Made by ``Model.from_mesh`` with any `stiffness`, in three dimensions, with supports and dead loads only.
     owner : str
         Who asks, for messages.
 
@@ -103,12 +108,25 @@ def shell_of(model: Model, owner: str) -> Shell:
                 clamped.update(corners[np.isin(corners, group).all(axis=1)].ravel().tolist())
     shell.clamped = np.array(sorted(clamped), dtype=np.int64)
     for load in model.loads:
-        for node in _on_sheet(shell, model.index(load.group), load, owner).tolist():
-            for axis, force in enumerate(load.force):
-                if force:
-                    constant, driven = shell.loads.get((node, axis), (0.0, 0.0))
-                    shell.loads[node, axis] = (constant + force * load.constant, driven + force * (not load.constant))
+        _load(shell, model, load, owner)
     return shell
+
+
+def _load(shell: Shell, model: Model, load: Any, owner: str) -> None:
+    """Add a load to the nodal forces; what is spread as on triangles with linear displacements."""
+    if isinstance(load, SpreadLoad):
+        numbering = Numbering(model.nodes, model.positions(), model.mesh, model.sheet_constants)
+        weight = load.weights(Surface(numbering, owner))
+        group = np.flatnonzero(weight)
+    else:
+        group = model.index(load.group)
+        weight = np.ones(len(model.nodes))
+    for node in _on_sheet(shell, group, load, owner).tolist():
+        for axis, force in enumerate(load.force):
+            if force:
+                constant, driven = shell.loads.get((node, axis), (0.0, 0.0))
+                force *= float(weight[node])
+                shell.loads[node, axis] = (constant + force * load.constant, driven + force * (not load.constant))
 
 
 def _parts(
@@ -133,14 +151,14 @@ def _check_elements(model: Model, owner: str) -> None:
     there = {id(item) for item in model.elements}
     gone = Counter(type(item).__name__ for item in model.sheet_elements if id(item) not in there)
     others = [item for item in model.elements if id(item) not in sheet]
-    others += [item for item in (*model.loads, *model.effects) if type(item) is not NodalLoad]
+    others += [item for item in (*model.loads, *model.effects) if type(item) not in LOADS]
     beyond = Counter(type(item).__name__ for item in others)
     wrong = [f"{number} {kind} beyond the sheet" for kind, number in beyond.items()]
     wrong += [f"the sheet without {number} {kind} of its own" for kind, number in gone.items()]
     if wrong:
         raise ModelError(
             f"{owner} cannot hand over {', '.join(wrong)}: it writes shell triangles, one for each facet of the mesh, "
-            "with supports and nodal loads only"
+            "with supports and dead loads only"
         )
 
 

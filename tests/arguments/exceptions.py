@@ -22,7 +22,7 @@ NOT_CALLED: dict[str, str] = {
     **dict.fromkeys(
         """Kernel Kernel.* *.lower *.reserve Bar.held Facet.held BendHinge.held TorsionSpring3.held Crease.held
         Contribution Tangent displacement_of ModelObject Numbering* stiffness.SheetConstants.* *.elasticity
-        Laminate.section Laminate.checked_thickness""".split(),
+        *.weights Laminate.section Laminate.checked_thickness""".split(),
         CONTRACT,
     ),
     **dict.fromkeys(("*Error", "*Warning"), ERRORS),
@@ -71,6 +71,8 @@ FREE_TEXT: dict[tuple[str, str], str] = dict.fromkeys(
     ),
     LABEL,
 )  # fmt: skip
+# The name of a region, of which only a mesh knows whether it is there.
+FREE_TEXT |= dict.fromkeys((("AreaLoad", "facets"), ("Gravity", "facets")), "a region, looked up in a run")
 # Parameters that take one of the bad values on purpose: the reason, and which.
 ACCEPTED: dict[tuple[str, str], tuple[str, tuple[str, ...]]] = {
     ("DisplacementControl", "targets"): ("no targets", ("empty list",)),

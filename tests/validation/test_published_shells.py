@@ -5,7 +5,7 @@ Sources as in shells.py; the tables of Sze, Liu and Lo are those of their S4R ru
 
 import numpy as np
 import pytest
-from patterns import Spread, on
+from patterns import on
 from shells import around_x, at_zero, cylinder, grid, hemisphere, hold, near, shell
 
 import kirigami as kg
@@ -47,7 +47,7 @@ def test_cantilever_under_end_shear():
     points, triangles, at = grid(16, 1, lambda u, v: (10 * u, v, 0 * u))
     model, nodes = shell(points, triangles, 0.1, kg.Material(1.2e6, 0.0))
     end = [nodes[k] for k in at[-1]]
-    model.add(kg.Fix([nodes[k] for k in at[0]], clamp=True), Spread((0, 0, 4.0), end, True))
+    model.add(kg.Fix([nodes[k] for k in at[0]], clamp=True), kg.EdgeLoad(end, (0, 0, 4.0)))
     results = run(model, CANTILEVER)
     rows = [int(np.argmin(np.abs(results.lam - load))) for load in CANTILEVER[:, 0]]
     found = np.array([(-results.u[row, at[-1], 0].mean(), results.u[row, at[-1], 2].mean()) for row in rows])
@@ -59,7 +59,7 @@ def test_slit_annulus():
     points, triangles, at = grid(40, 4, lambda u, v: (
         (6 + 4 * v) * np.cos(2 * np.pi * u), (6 + 4 * v) * np.sin(2 * np.pi * u), 0 * u))  # fmt: skip
     model, nodes = shell(points, triangles, 0.03, kg.Material(21e6, 0.0))
-    model.add(kg.Fix([nodes[k] for k in at[0]], clamp=True), Spread((0, 0, 0.8), [nodes[k] for k in at[-1]], True))
+    model.add(kg.Fix([nodes[k] for k in at[0]], clamp=True), kg.EdgeLoad([nodes[k] for k in at[-1]], (0, 0, 0.8)))
     results = run(model, ANNULUS, step=0.025)
     assert deviation(results, ANNULUS, [(at[-1, 0], 2, 1), (at[-1, -1], 2, 1)]) < 0.02
 
@@ -136,7 +136,7 @@ def test_buckling_of_square_plates(edges, drive):
     pull = {"left": (1, 0, 0), "right": (-1, 0, 0)} if drive == "compression" else {
         "left": (0, -1, 0), "right": (0, 1, 0), "bottom": (-1, 0, 0), "top": (1, 0, 0)}  # fmt: skip
     for side, force in pull.items():
-        model.add(Spread(force, [model.nodes[k] for k in sides[side]], True))
+        model.add(kg.EdgeLoad([model.nodes[k] for k in sides[side]], force))
     first, second = near(model.positions(), (0, 0, 0)), near(model.positions(), (1, 0, 0))
     model.add(kg.Fix(model.nodes[first], "xy"), kg.Fix(model.nodes[second], "y"))
     rigidity = material.E * thickness**3 / (12 * (1 - material.nu**2))
@@ -152,7 +152,7 @@ def test_roof_of_scordelis_and_lo():
     model, nodes = shell(points, triangles, 0.25, kg.Material(4.32e8, 0.0), points * (1, 0, 1) / radius)
     ends = at_zero(points[:, 1], length / 2)
     hold(model, nodes, {"x": at_zero(points[:, 0]), "y": at_zero(points[:, 1])}, {"x": ends, "z": ends})
-    model.add(Spread((0, 0, -90.0), nodes, False))
+    model.add(kg.AreaLoad((0, 0, -90.0)))
     assert -kg.LinearStatic(model).run().u[-1, at[-1, 0], 2] == pytest.approx(0.3024, rel=0.02)
 
 
