@@ -12,6 +12,7 @@ from typing import Any
 from kirigami.drawing.drawing import Drawing
 from kirigami.errors import GeometryError
 from kirigami.geometry.sheet import Sheet
+from kirigami.primitives.checks import require_not_negative
 from kirigami.primitives.material import Material
 
 FORMATS = {".dxf": "dxf", ".svg": "svg", ".geojson": "geojson", ".json": "geojson", ".fold": "fold"}
@@ -47,7 +48,7 @@ def read_drawing(path: str | os.PathLike[str], **options: Any) -> Drawing:
     return drawing
 
 
-def write_drawing(item: Any, path: str | os.PathLike[str], unit: str = "m") -> Path:
+def write_drawing(item: Any, path: str | os.PathLike[str], unit: str = "m", kerf: float = 0.0) -> Path:
     """Write a sheet or drawing by the ending of the name: .dxf, .svg, .geojson, .json or .fold.
 
     Parameters
@@ -58,11 +59,13 @@ def write_drawing(item: Any, path: str | os.PathLike[str], unit: str = "m") -> P
         The file.
     unit : str
         Unit of length of its coordinates.
+    kerf : float
+        Width of what the cutter takes away [length, in this unit]; of .dxf and .svg.
 
     Raises
     ------
     GeometryError
-        Another ending.
+        Another ending, a kerf for another kind of file, or an opening that is no wider than the kerf.
 
     Examples
     --------
@@ -72,7 +75,10 @@ def write_drawing(item: Any, path: str | os.PathLike[str], unit: str = "m") -> P
     'plate.geojson'
     """
     write = _of_format("write", path)
-    written: Path = write(item, path, unit=unit)
+    kerf = require_not_negative(kerf, "kerf", "writing a drawing", GeometryError)
+    if kerf and "kerf" not in inspect.signature(write).parameters:
+        raise GeometryError(f"{path}: only .dxf and .svg are written for a cutter, with a `kerf`")
+    written: Path = write(item, path, unit=unit, **({"kerf": kerf} if kerf else {}))
     return written
 
 

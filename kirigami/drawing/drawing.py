@@ -3,27 +3,27 @@
 from __future__ import annotations
 
 import warnings
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import shapely
-from shapely.geometry.base import BaseGeometry
 
+from kirigami.drawing.arcs import circles_of
 from kirigami.drawing.curves import Curve, Floats, counted, lines_of
 from kirigami.drawing.gaps import short_of
 from kirigami.drawing.joining import chained, led_together, without_doubles, without_specks
 from kirigami.drawing.measure import Measure
 from kirigami.drawing.rim import Rim, crossing_text, find_rim, left_out_text
 from kirigami.drawing.roles import Roles, Row, color_name, listing, side_of_name, table_lines, table_of
+from kirigami.drawing.strokes import NONE, Ink
 from kirigami.drawing.trimming import Trimmed, trimmed, without_effect, without_scrap
 from kirigami.errors import GeometryError, KirigamiWarning, ModelError
 from kirigami.primitives.checks import (
     require_between,
     require_finite,
-    require_items,
     require_not_negative,
     require_whole,
     shown,
@@ -34,7 +34,6 @@ if TYPE_CHECKING:
     from kirigami.geometry.sheet import Sheet
     from kirigami.primitives.material import Material
 
-FOLD_LAYERS = {0.0: "FOLDS", 1.0: "VALLEY FOLDS", -1.0: "MOUNTAIN FOLDS"}
 SIZES = 1e-3, 10.0  # metres: a sheet smaller or larger than this is likely to be in another unit
 
 
@@ -63,6 +62,12 @@ class Drawing:
         What was drawn and is none of these.
     curves : tuple of Curve
         All that was drawn.
+    circles : ndarray, shape (c, 3)
+        Centres and radii of the circles whose arcs are among the curves, which are made of chords.
+    ink : Ink
+        The colours it was drawn in.
+    page : tuple of float, optional
+        Left, bottom, right and top of the page it was drawn on.
     """
 
     outline: Any
@@ -74,6 +79,9 @@ class Drawing:
     left_out: tuple[Any, ...] = field(default=(), repr=False)
     fold_shares: tuple[float, ...] = field(default=(), repr=False)
     curves: tuple[Curve, ...] = field(default=(), repr=False)
+    circles: Floats = field(default_factory=lambda: NONE, repr=False)
+    ink: Ink = field(default_factory=Ink, repr=False)
+    page: tuple[float, float, float, float] | None = field(default=None, repr=False)
 
     @property
     def report(self) -> str:
@@ -134,6 +142,7 @@ def assemble(
     shown: str | None = None,
     part: int | None = None,
     bounded_by_folds: bool = False,
+    page: tuple[float, float, float, float] | None = None,
 ) -> Drawing:
     """Sort curves by role, drop doubles, close open ends, find the rim, and trim the rest to it.
 
@@ -156,6 +165,8 @@ def assemble(
         Which part to take, from 1, where several lie side by side or cuts sever the sheet.
     bounded_by_folds : bool
         Where nothing else can be the outline, take the outer face of the folds.
+    page : tuple of float, optional
+        Left, bottom, right and top of the page.
 
     Raises
     ------
@@ -212,14 +223,18 @@ def assemble(
     for slit in whole.slits:
         left.setdefault(slit.numbers, []).append(shapely.LineString(slit.points))
     shapes: list[Any] = []
+    colors: list[str] = []
     for curve in cuts.inside:
         if not curve.closed:
             shapes += left.pop(curve.numbers, [])
         elif whole.bounded_by(openings[id(curve)], gap):
             shapes.append(openings[id(curve)])
-    holes = [hole for hole in holes if whole.bounded_by(hole, gap)]
+        colors += [curve.color] * (len(shapes) - len(colors))
+    inner = [(hole, curve.color) for hole, curve in zip(holes, hole_curves) if whole.bounded_by(hole, gap)]
+    holes, hole_colors = [hole for hole, _ in inner], tuple(color for _, color in inner)
     outline = _with_holes(whole.rim, holes)
     shapes += whole.openings if outline.interiors or not holes else [*whole.openings, *holes]
+    ink = Ink(rim.made_of[0].color, hole_colors, tuple(colors), tuple(curve.color for curve in folds.inside))
     rings = [outline.exterior, *outline.interiors, *(s.exterior for s in shapes if isinstance(s, shapely.Polygon))]
     for note in short_of(whole.slits, rings, gap, measure):
         _tell(note, said)
@@ -242,8 +257,9 @@ def assemble(
     others = [curve for number, curve in enumerate(sorted_ones) if number not in became]
     left_out = tuple(lines_of(others))
     return Drawing(
-        outline, tuple(shapes), fold_lines, unit, tuple(said), table, left_out, shares, tuple(sorted_ones)
-    )
+        outline, tuple(shapes), fold_lines, unit, tuple(said), table, left_out, shares, tuple(sorted_ones),
+        circles_of(kept), ink, page,
+    )  # fmt: skip
 
 
 def _gap(tolerance: float | str, size: float, unit: str) -> float:
@@ -371,44 +387,3 @@ def _doubt_size(outline: Any, unit: str, said: list[str]) -> None:
             f"the sheet measures {size:.6g} m: is the unit of the drawing right? Say `drawn_in='mm'`, or what it is",
             said,
         )
-
-
-def folds_of(sheet: Any, more: Iterable[Any]) -> list[tuple[Any, float]]:
-    """The folds of a sheet or drawing, and more of them: lines, and the angle or share that tells their side, or 0."""
-    if not hasattr(sheet, "outline") or not hasattr(sheet, "cuts"):
-        raise GeometryError(f"writing a drawing: it must be a Sheet or a Drawing, got {shown(sheet)}")
-    own = list(getattr(sheet, "folds", ()))
-    sides = [*getattr(sheet, "fold_shares", ()), *(0.0 for _ in own)]
-    found = []
-    for fold, side in [
-        *zip(own, sides),
-        *((fold, 0.0) for fold in require_items(more, "folds", "writing a drawing", GeometryError)),
-    ]:
-        line, side = getattr(fold, "line", fold), getattr(fold, "angle", side)
-        if not isinstance(line, BaseGeometry):
-            raise GeometryError(f"writing a drawing: folds must be lines of shapely, got {shown(fold)}")
-        found.append((line, side))
-    return found
-
-
-def layered(sheet: Any, folds: Iterable[Any] = ()) -> Iterator[tuple[str, Floats, bool]]:
-    """Layer, points (closed curves without the repeated point) and closedness of every line of a sheet."""
-    extra = folds_of(sheet, folds)
-    rings = [sheet.outline.exterior, *sheet.outline.interiors]
-    lines = [("OUTLINE", ring) for ring in rings]
-    lines += [("CUTS", line) for cut in sheet.cuts for line in _lines_of(cut)]
-    lines += [(FOLD_LAYERS[np.sign(side)], line) for fold, side in extra for line in _lines_of(fold)]
-    for layer, line in lines:
-        points = shapely.get_coordinates(line)
-        closed = len(points) > 3 and bool((points[0] == points[-1]).all())
-        yield layer, points[:-1] if closed else points, closed
-
-
-def _lines_of(geometry: Any) -> Iterator[Any]:
-    if isinstance(geometry, shapely.Polygon):
-        yield from (geometry.exterior, *geometry.interiors)
-    elif hasattr(geometry, "geoms"):
-        for part in geometry.geoms:
-            yield from _lines_of(part)
-    else:
-        yield geometry

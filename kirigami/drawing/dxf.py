@@ -3,16 +3,20 @@
 from __future__ import annotations
 
 import os
+import re
 from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from kirigami.drawing.arcs import circles_of
 from kirigami.drawing.curves import Curve, Floats, flattened, scale_of, scaled
-from kirigami.drawing.drawing import Drawing, assemble, layered
+from kirigami.drawing.drawing import Drawing, assemble
+from kirigami.drawing.dxf_entities import COLORS as INDEX_COLORS
 from kirigami.drawing.dxf_entities import Reader, source_of
-from kirigami.drawing.roles import Names, Roles
+from kirigami.drawing.roles import COLORS, Names, Roles
+from kirigami.drawing.strokes import Stroke, strokes
 from kirigami.errors import GeometryError
 from kirigami.files import library, whole_file
 from kirigami.primitives.checks import require_between, require_choice, require_path
@@ -256,16 +260,23 @@ def _extent(entities: list[Any]) -> float:
 
 
 def write_dxf(
-    sheet: Any, path: str | os.PathLike[str], *, unit: str = "m", drawn_in: str = "mm", folds: Iterable[Any] = ()
+    sheet: Any,
+    path: str | os.PathLike[str],
+    *,
+    unit: str = "m",
+    drawn_in: str = "mm",
+    folds: Iterable[Any] = (),
+    kerf: float = 0.0,
 ) -> Path:
     """Write a sheet for the laser cutter: true size, each kind of line on a layer of its own.
 
-    Layers OUTLINE (black), CUTS (red) and FOLDS (blue), polylines of straight pieces, units in the header.
+    Layers OUTLINE (black), CUTS (red), FOLDS (blue), VALLEY FOLDS and MOUNTAIN FOLDS, units in the header. A drawing
+    that was read keeps its colours, its place, and its arcs: as circles and bulges of polylines.
 
     Parameters
     ----------
     sheet : Sheet or Drawing
-        Its ``outline`` and ``cuts``; of a drawing also its ``folds``.
+        Its outline, cuts and folds.
     path : path
         The file.
     unit : str
@@ -273,12 +284,15 @@ def write_dxf(
     drawn_in : str
         Unit of length of the file.
     folds : iterable of LineString
-        Lines to be folded and not cut.
+        More lines to be folded and not cut.
+    kerf : float
+        Width of what the cutter takes away [length, in the unit of the sheet]: the rim grows and openings shrink by
+        half of it, slits stay.
 
     Raises
     ------
     KirigamiError
-        ezdxf is not installed, the unit is unknown, the file cannot be written.
+        ezdxf is not installed, the unit is unknown, an opening is no wider than the kerf, the file cannot be written.
 
     Examples
     --------
@@ -292,15 +306,42 @@ def write_dxf(
     require_choice(drawn_in, codes, "drawn_in", "to_dxf", GeometryError)
     ratio = metres_per(unit) / metres_per(drawn_in)
     factor = float(round(ratio)) if abs(ratio - round(ratio)) < 1e-12 * ratio else ratio
+    lines = strokes(sheet, folds, kerf)
     document = ezdxf.new("R2010", units=codes[drawn_in])
     space = document.modelspace()
-    lines = list(layered(sheet, folds))
     for layer, color in COLOR_OF_LAYER.items():
-        if layer in ("OUTLINE", "CUTS", "FOLDS") or any(layer == name for name, *_ in lines):
+        if layer in ("OUTLINE", "CUTS", "FOLDS") or any(layer == stroke.layer for stroke in lines):
             document.layers.add(layer, color=color)
-    for layer, points, closed in lines:
-        space.add_lwpolyline(scaled(points, factor).tolist(), close=closed, dxfattribs={"layer": layer})
+    for stroke in lines:
+        points, look = scaled(stroke.points, factor), {"layer": stroke.layer, **_colored(stroke.color)}
+        if (circle := _circle(stroke, points)) is not None:
+            space.add_circle(circle[:2].tolist(), float(circle[2]), dxfattribs=look)
+            continue
+        bulges = stroke.bulges if stroke.closed else np.append(stroke.bulges, 0.0)
+        space.add_lwpolyline(np.column_stack([points, bulges]).tolist(), "xyb", close=stroke.closed, dxfattribs=look)
     target = require_path(path, "path", "to_dxf", GeometryError)
     with whole_file(target) as unfinished:
         document.saveas(unfinished)
     return target
+
+
+def _colored(color: str) -> dict[str, int]:
+    """Attributes of an entity in a colour: by its name, its index ("color 12"), as #rrggbb; else that of its layer."""
+    index = next((number for number, name in INDEX_COLORS.items() if name == color), None)
+    if index is None and color.startswith("color ") and color[6:].isdigit():
+        index = int(color[6:])
+    if index is not None:
+        return {"color": index}
+    code = next((code for code, name in COLORS.items() if name == color), color)
+    return {"true_color": int(code[1:], 16)} if re.fullmatch(r"#[0-9a-f]{6}", code) else {}
+
+
+def _circle(stroke: Stroke, points: Floats) -> Floats | None:
+    """Centre and radius of a line that is a whole circle, or None."""
+    if not stroke.closed or not stroke.bulges.all() or abs(np.arctan(stroke.bulges).sum()) < np.pi / 2 - 1e-6:
+        return None
+    found = circles_of([Curve(np.concatenate([points, points[:1]]), bow=1.0)])
+    if len(found) == 1:
+        circle: Floats = found[0]
+        return circle
+    return None

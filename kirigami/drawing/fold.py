@@ -15,9 +15,10 @@ import shapely
 from numpy.typing import ArrayLike
 
 from kirigami.drawing.curves import Curve, counted, scale_of, scaled
-from kirigami.drawing.drawing import Drawing, assemble, layered
+from kirigami.drawing.drawing import Drawing, assemble
 from kirigami.drawing.fold_frames import frame_of, pattern_of
 from kirigami.drawing.roles import Names, Roles
+from kirigami.drawing.strokes import strokes
 from kirigami.errors import GeometryError
 from kirigami.files import read_json, whole_file
 from kirigami.geometry.folds import fold_angles
@@ -174,11 +175,11 @@ def write_fold(
 
 def _pattern(sheet: Any, folds: Iterable[Any]) -> dict[str, Any]:
     lines, letters = [], []
-    for layer, points, closed in layered(sheet, folds):
-        ring = np.concatenate([points, points[:1]]) if closed else points
+    for stroke in strokes(sheet, folds, arcs=False):
+        ring = np.concatenate([stroke.points, stroke.points[:1]]) if stroke.closed else stroke.points
         for piece in pairwise(ring):
             lines.append(shapely.LineString(piece))
-            letters.append(LETTERS[layer])
+            letters.append(LETTERS[stroke.layer])
     tree = shapely.STRtree(lines)
     vertices: dict[tuple[float, float], int] = {}
     edges: dict[tuple[int, int], str] = {}

@@ -13,8 +13,9 @@ import shapely
 from shapely.geometry import mapping, shape
 
 from kirigami.drawing.curves import Curve, scale_of, scaled
-from kirigami.drawing.drawing import FOLD_LAYERS, Drawing, assemble, folds_of
+from kirigami.drawing.drawing import Drawing, assemble
 from kirigami.drawing.roles import Names, Roles, color_name
+from kirigami.drawing.strokes import FOLD_LAYERS, folds_of
 from kirigami.errors import GeometryError
 from kirigami.files import read_json, whole_file
 from kirigami.primitives.checks import require_path

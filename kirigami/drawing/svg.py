@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import os
+import re
 import warnings
 from collections import Counter
 from collections.abc import Iterable, Iterator
@@ -13,11 +14,11 @@ from typing import Any
 from xml.etree import ElementTree
 
 import numpy as np
-import shapely
 
 from kirigami.drawing.curves import Curve, Floats, counted, flattened, scaled
-from kirigami.drawing.drawing import Drawing, assemble, layered
+from kirigami.drawing.drawing import Drawing, assemble
 from kirigami.drawing.roles import Names, Roles, role_of_name
+from kirigami.drawing.strokes import Stroke, strokes
 from kirigami.drawing.svg_paint import Canvas, clip_name, clip_shape, clipped, is_transparent, line_type
 from kirigami.drawing.svg_tree import CLIP, LINE, ORIGIN, read_tree, resolve_percentages, user_space
 from kirigami.errors import GeometryError, KirigamiWarning
@@ -98,6 +99,7 @@ def read_svg(
     root, header = read_tree(path)
     notes = [f"{path.name}: SVG"]
     to_drawing = user_space(root, header, drawn_in, unit, notes)
+    sized = "viewBox" in root.attrib or "height" in root.attrib
     resolve_percentages(root, *to_drawing.view)
     for name in ("width", "height", "viewBox", "preserveAspectRatio"):
         root.attrib.pop(name, None)  # sizes are worked out above: svgelements rounds millimetres to seven digits
@@ -134,7 +136,10 @@ def read_svg(
         notes.append(f"{counted(cut_off, 'curve')} cut off at a clip path")
     if not curves:
         raise GeometryError(f"{path} holds no curves with a length")
-    return assemble(curves, roles, unit=unit, tolerance=tolerance, notes=notes, shown=to_drawing.shown, part=part)
+    return assemble(
+        curves, roles, unit=unit, tolerance=tolerance, notes=notes, shown=to_drawing.shown, part=part,
+        page=to_drawing.page if sized else None,
+    )  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -280,17 +285,24 @@ def _points(path: Any, distance: float, elements: Any, source: str) -> Iterator[
 
 
 def write_svg(
-    sheet: Any, path: str | os.PathLike[str], *, unit: str = "m", drawn_in: str = "mm", folds: Iterable[Any] = ()
+    sheet: Any,
+    path: str | os.PathLike[str],
+    *,
+    unit: str = "m",
+    drawn_in: str = "mm",
+    folds: Iterable[Any] = (),
+    kerf: float = 0.0,
 ) -> Path:
     """Write a sheet for the laser cutter: true size, one layer and colour for each kind of line.
 
-    Layers OUTLINE (black), CUTS (red) and FOLDS (blue, dashed), as Inkscape knows them. The lower left corner of the
-    sheet is that of the page; coordinates are those of the sheet.
+    Layers OUTLINE (black), CUTS (red), FOLDS (blue, dashed), VALLEY FOLDS and MOUNTAIN FOLDS, as Inkscape knows them.
+    Coordinates are those of the sheet; the page is as large as the sheet. A drawing that was read keeps its colours,
+    its arcs, and its page with its place on it.
 
     Parameters
     ----------
     sheet : Sheet or Drawing
-        Its ``outline`` and ``cuts``; of a drawing also its ``folds``.
+        Its outline, cuts and folds.
     path : path
         The file.
     unit : str
@@ -298,12 +310,15 @@ def write_svg(
     drawn_in : str
         Unit of length of the file: "mm", "cm", "in".
     folds : iterable of LineString
-        Lines to be folded and not cut.
+        More lines to be folded and not cut.
+    kerf : float
+        Width of what the cutter takes away [length, in the unit of the sheet]: the rim grows and openings shrink by
+        half of it, slits stay.
 
     Raises
     ------
     KirigamiError
-        The unit is unknown or the file cannot be written.
+        The unit is unknown, an opening is no wider than the kerf, or the file cannot be written.
 
     Examples
     --------
@@ -315,13 +330,17 @@ def write_svg(
     require_choice(drawn_in, ("mm", "cm", "in"), "drawn_in", "to_svg", GeometryError)
     ratio = metres_per(unit) / metres_per(drawn_in)
     factor = float(round(ratio)) if abs(ratio - round(ratio)) < 1e-12 * ratio else ratio
-    left, bottom, right, top = (value * factor for value in shapely.bounds(sheet.outline).tolist())
+    found = strokes(sheet, folds, kerf)
+    bounds = np.array(sheet.outline.bounds) + 0.5 * kerf * np.array([-1, -1, 1, 1])
+    page = np.array(getattr(sheet, "page", None) or bounds)
+    page = np.where(np.arange(4) < 2, np.minimum(page, bounds), np.maximum(page, bounds))
+    left, bottom, right, top = (page * factor).tolist()
     width, height = right - left, top - bottom
     groups: dict[str, list[str]] = {layer: [] for layer in ("OUTLINE", "CUTS", "FOLDS")}
-    for layer, points, closed in layered(sheet, folds):
-        data = " L ".join(f"{x!r},{-y!r}" for x, y in (points * factor + 0.0).tolist())
-        groups.setdefault(layer, []).append(f'    <path d="M {data}{" Z" if closed else ""}"/>')
-    thin = 1e-3 * max(width, height)
+    for stroke in found:
+        paint = f' stroke="{stroke.color}"' if re.fullmatch(r"#[0-9a-f]{6}|[a-z]+", stroke.color) else ""
+        groups.setdefault(stroke.layer, []).append(f'    <path d="{_path_data(stroke, factor)}"{paint}/>')
+    thin = 1e-3 * float(np.ptp(bounds.reshape(2, 2), axis=0).max()) * factor
     lines = [
         '<?xml version="1.0" encoding="UTF-8"?>',
         f'<svg xmlns="http://www.w3.org/2000/svg" xmlns:inkscape="{LABEL[1:-6]}" version="1.1" {ORIGIN}="sheet"',
@@ -330,11 +349,27 @@ def write_svg(
     ]
     for layer, paths in groups.items():
         dash = f' stroke-dasharray="{5 * thin:.3g}"' if "FOLDS" in layer else ""
-        stroke = f'fill="none" stroke="{STROKES[layer]}" stroke-width="{thin:.3g}"{dash}'
-        lines.append(f'  <g id="{layer}" inkscape:groupmode="layer" inkscape:label="{layer}" {stroke}>')
+        stroke_of_layer = f'fill="none" stroke="{STROKES[layer]}" stroke-width="{thin:.3g}"{dash}'
+        lines.append(f'  <g id="{layer}" inkscape:groupmode="layer" inkscape:label="{layer}" {stroke_of_layer}>')
         lines += [*paths, "  </g>"]
     text = "\n".join([*lines, "</svg>", ""])
     target = require_path(path, "path", "to_svg", GeometryError)
     with whole_file(target) as unfinished:
         unfinished.write_text(text, encoding="utf-8")
     return target
+
+
+def _path_data(stroke: Stroke, factor: float) -> str:
+    """The d of a path, y downwards."""
+    points = stroke.points * factor + 0.0
+    ends = np.concatenate([points[1:], points[:1]]) if stroke.closed else points[1:]
+    words = [f"M {float(points[0, 0])!r},{-float(points[0, 1])!r}"]
+    for start, end, bulge in zip(points, ends, stroke.bulges.tolist()):
+        if bulge:
+            radius = float(np.hypot(*(end - start))) * (1 + bulge**2) / (4 * abs(bulge))
+            words.append(f"A {radius!r},{radius!r} 0 0 {int(bulge < 0)} {float(end[0])!r},{-float(end[1])!r}")
+        else:
+            words.append(f"L {float(end[0])!r},{-float(end[1])!r}")
+    if stroke.closed:
+        words = [*words[: -1 if not stroke.bulges[-1] else None], "Z"]
+    return " ".join(words)

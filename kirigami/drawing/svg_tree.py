@@ -196,15 +196,21 @@ def user_space(root: Any, header: str, drawn_in: str | None, unit: str, notes: l
         notes.append(text)
     ratio = metres_per(source) / metres_per(unit)
     left, bottom = view[0], view[1] + view[3]
+    corner = 0.0, 0.0
     if root.get(ORIGIN) == "sheet":
+        corner = left * per_unit * ratio, -bottom * per_unit * ratio
         left = bottom = 0.0
 
-    return UserSpace(left, bottom, per_unit, ratio, source if physical or drawn_in else "mm", (view[2], view[3]))
+    shown = source if physical or drawn_in else "mm"
+    return UserSpace(left, bottom, per_unit, ratio, shown, (view[2], view[3]), corner)
 
 
 @dataclass(frozen=True)
 class UserSpace:
-    """From user units to the wanted unit, with y upwards; `shown` is the unit of the drawing, `view` its page."""
+    """From user units to the wanted unit, with y upwards; `shown` is the unit of the drawing, `view` its page.
+
+    `corner` is where the lower left corner of the page lies, in the wanted unit.
+    """
 
     left: float
     bottom: float
@@ -212,10 +218,18 @@ class UserSpace:
     scale: float
     shown: str
     view: tuple[float, float]
+    corner: tuple[float, float]
 
     @property
     def ratio(self) -> float:
         return self.per_unit * self.scale
+
+    @property
+    def page(self) -> tuple[float, float, float, float]:
+        """Left, bottom, right and top of the page, in the wanted unit."""
+        width, height = (size * self.ratio for size in self.view)
+        left, bottom = self.corner
+        return left, bottom, left + width, bottom + height
 
     def __call__(self, points: Floats) -> Floats:
         moved = np.column_stack([points[:, 0] - self.left, self.bottom - points[:, 1]])

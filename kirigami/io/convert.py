@@ -163,7 +163,9 @@ def write_mesh(mesh: TriMesh, path: str | os.PathLike[str]) -> Path:
     return target
 
 
-def export(path: str | os.PathLike[str], output: str | os.PathLike[str], **reading: Any) -> list[Path]:
+def export(
+    path: str | os.PathLike[str], output: str | os.PathLike[str], *, kerf: float = 0.0, **reading: Any
+) -> list[Path]:
     """Turn results or a drawing into another kind of file, by the ending of its name.
 
     Results (.npz) become .html, .csv, .nc, .pvd (its .vtu files go beside it), .stl, .obj, .ply, .glb, .gltf or
@@ -175,6 +177,8 @@ def export(path: str | os.PathLike[str], output: str | os.PathLike[str], **readi
         What to turn.
     output : path
         What to write.
+    kerf : float
+        Of a drawing as .dxf or .svg: width of what the cutter takes away [m].
     **reading
         Options of the reader of a drawing.
 
@@ -198,7 +202,9 @@ def export(path: str | os.PathLike[str], output: str | os.PathLike[str], **readi
     """
     target = Path(output)
     if Path(path).suffix.lower() != ".npz":
-        return [write_drawing(read_drawing(path, **{**reading, "unit": "m"}), target)]
+        return [write_drawing(read_drawing(path, **{**reading, "unit": "m"}), target, kerf=kerf)]
+    if kerf:
+        raise GeometryError(f"{path}: a `kerf` is for drawings that are cut, not for results")
     results = load(path)
     ending = target.suffix.lower()
     if ending == ".html":
