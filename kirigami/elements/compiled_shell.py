@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -9,11 +11,13 @@ from numpy.typing import NDArray
 
 from kirigami.elements import shell_loops
 from kirigami.primitives.kernel import Array, Configuration, Tangent, displacement_of
+from kirigami.primitives.processors import processors
 
 if TYPE_CHECKING:
     from kirigami.elements.shell_kernel import ShellFacetKernel
 
 Index = NDArray[np.int64]
+MANY = 4000  # facets from which on threads gain more than they cost
 
 
 class CompiledShell:
@@ -40,8 +44,23 @@ class CompiledShell:
             *self._section, directors, self._stored, self._scale,
         )  # fmt: skip
 
+    def _side_by_side(self, work: Callable[[int, int, Array], float | None], total: Array) -> float:
+        """Let threads work on a stretch of facets each and add to `total`; the same for a given number of threads."""
+        count = len(self._kernel.conn)
+        threads = processors() if count >= MANY else 1
+        bounds = np.linspace(0, count, threads + 1).astype(np.int64).tolist()
+        if threads == 1:
+            return float(work(0, count, total) or 0.0)
+        targets = [total, *(np.zeros_like(total) for _ in range(threads - 1))]
+        with ThreadPoolExecutor(threads) as pool:
+            found = list(pool.map(work, bounds[:-1], bounds[1:], targets))
+        for target in targets[1:]:
+            total += target
+        return float(sum(value or 0.0 for value in found))
+
     def add_forces(self, x: Configuration, lam: float, total: Array) -> float:
-        return float(shell_loops.forces(*self._state(x), total))
+        state = self._state(x)
+        return self._side_by_side(lambda first, last, target: shell_loops.forces(*state, first, last, target), total)
 
     def add_blocks(self, x: Configuration, lam: float, tangent: Tangent, slots: Index, blocks: Array) -> None:
         ahead = np.empty((0, 9))
@@ -55,9 +74,12 @@ class CompiledShell:
                 kernel.conn, u, np.ascontiguousarray(change, dtype=float), self._rest, *self._membrane,
                 self._matrices[0], self._section[1], self._section[2], curvature, ahead,
             )  # fmt: skip
-        shell_loops.blocks(
-            *self._state(x), self._kernel.chart.tangent, ahead, float(tangent.convexity), slots, blocks
-        )
+        state, chart, convexity = self._state(x), self._kernel.chart.tangent, float(tangent.convexity)
+
+        def work(first: int, last: int, target: Array) -> None:
+            shell_loops.blocks(*state, first, last, chart, ahead, convexity, slots, target)
+
+        self._side_by_side(work, blocks)
 
 
 def _by_facet(values: Any) -> Any:

@@ -15,7 +15,7 @@ from kirigami.elements.shell_geometry import AREA_ROWS, EDGE_ROWS
 try:
     from numba import njit
 
-    compiled = njit(cache=True, error_model="numpy")
+    compiled = njit(cache=True, error_model="numpy", nogil=True)
 except ImportError:  # plain Python then, which nobody calls: too slow
 
     def compiled(function):  # type: ignore[no-untyped-def]
@@ -223,7 +223,7 @@ def pulled_back(f, force, to_strain, to_curvature, pull, moment):  # type: ignor
 @compiled
 def forces(  # type: ignore[no-untyped-def]
     conn, x, u, rest, per_square, forms, to_strain, to_curvature, second, section, area,
-    rest_angle, rest_curvature, director, stored, scale, total,
+    rest_angle, rest_curvature, director, stored, scale, first, last, total,
 ):  # fmt: skip
     du, v = np.empty((5, 3)), np.empty((5, 3))
     r, b, fields, force = np.empty(9), np.empty(15), np.empty(18), np.empty(18)
@@ -231,7 +231,7 @@ def forces(  # type: ignore[no-untyped-def]
     membrane, bending = np.empty((9, 15)), np.empty((15, 21))
     squares = 0.0
     bending[:, :] = 0.0
-    for f in range(len(conn)):
+    for f in range(first, last):
         gather(f, conn, u, rest, du, v)
         stretch(f, rest, du, per_square, forms, r)
         bend(f, v, x, conn, director, stored, scale, second, rest_angle, rest_curvature, b)
@@ -383,7 +383,7 @@ def angle_second(f, v, moment, director, rows, local):  # type: ignore[no-untype
 @compiled
 def blocks(  # type: ignore[no-untyped-def]
     conn, x, u, rest, per_square, forms, to_strain, to_curvature, second, section, area,
-    rest_angle, rest_curvature, director, stored, scale, tangent, ahead, convexity, slots, target,
+    rest_angle, rest_curvature, director, stored, scale, first, last, tangent, ahead, convexity, slots, target,
 ):  # fmt: skip
     n, count = len(conn), len(target)
     exact = 1.0 - convexity
@@ -394,7 +394,7 @@ def blocks(  # type: ignore[no-untyped-def]
     rows, stiff, local = np.empty((18, 21)), np.empty((18, 21)), np.empty((21, 21))
     full = np.zeros((27, 27))
     place = np.empty(21, np.int64)
-    for f in range(n):
+    for f in range(first, last):
         gather(f, conn, u, rest, du, v)
         stretch(f, rest, du, per_square, forms, r)
         bend(f, v, x, conn, director, stored, scale, second, rest_angle, rest_curvature, b)

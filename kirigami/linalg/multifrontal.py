@@ -16,6 +16,7 @@ Fortran order that LAPACK wants. The other triangle holds nothing of use.
 
 from __future__ import annotations
 
+from concurrent.futures import ThreadPoolExecutor
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -30,8 +31,9 @@ from kirigami.linalg.checked import (
     SingularMatrixError,
 )
 from kirigami.linalg.dissection import Fronts, Index, dissect
+from kirigami.linalg.subtrees import shares
 from kirigami.linalg.superlu import SuperLUFactor
-from kirigami.linalg.threads import one_thread
+from kirigami.linalg.threads import one_thread, threads_for
 from kirigami.primitives.kernel import Array
 
 AMPLIFIED = 1e4  # displacements of a front per displacement of its border that are no lever any more
@@ -79,6 +81,14 @@ class FrontPlan:
             if parent >= 0:
                 self.children[parent].append(child)
         self.transfers = [self._transfer(f) for f in range(count)]
+        self._shares: dict[int, tuple[list[list[int]], list[int]]] = {}
+
+    def shares(self, threads: int) -> tuple[list[list[int]], list[int]]:
+        """Fronts for each thread, and those left for afterwards."""
+        if threads not in self._shares:
+            p, q = self.pivots.astype(float), self.border.astype(float)
+            self._shares[threads] = shares(self.fronts.parent, p**3 / 3 + p**2 * q + p * q**2, threads)
+        return self._shares[threads]
 
     def _entries(self, matrix: Any) -> tuple[Index, Index]:
         """Which entries of the matrix are taken (the lower triangle in the new order), and their places."""
@@ -145,61 +155,59 @@ class _Buffers:
         self._free.setdefault(len(buffer), []).append(buffer)
 
 
-class MultifrontalFactor(CheckedFactor):
-    """Factor of a matrix, front by front."""
+class _Elimination:
+    """The fronts of one factorisation, which threads may eliminate side by side: each front's arithmetic is the same
+    whoever does it, so that the factor is the same, bit by bit, for any number of threads."""
 
-    backend = "multifrontal"
+    def __init__(self, plan: FrontPlan, store: Array) -> None:
+        self.plan, self.store = plan, store
+        self.made: dict[int, _Front] = {}
+        self.negative: dict[int, int] = {}  # eigenvalues of fronts that are not positive definite
+        self.doubtful: list[int] = []
+        self._left_over: dict[int, tuple[Array, Array]] = {}
 
-    def __init__(self, matrix: Any, plan: FrontPlan) -> None:
-        super().__init__(matrix)
-        self._order = plan.fronts.order
-        self._negative = 0
-        self._doubtful = False  # whether some front amplifies so much that its signs want a second look
-        self._fronts: list[_Front] = []
-        with np.errstate(all="ignore"), one_thread():
-            self._factorize(plan)
-
-    def _factorize(self, plan: FrontPlan) -> None:
+    def eliminate(self, numbers: list[int]) -> None:
+        """Eliminate fronts, children before parents."""
         from scipy.linalg.blas import dsyrk, dtrsm
         from scipy.linalg.lapack import dpotrf
 
-        store = np.zeros(plan.size)
-        store[plan.places] = self.matrix.data[plan.taken]
+        plan, store = self.plan, self.store
         starts, offsets = plan.fronts.starts.tolist(), plan.offsets.tolist()
         buffers = _Buffers()
-        spare = np.empty(int(plan.pivots.max()) ** 2)
-        left_over: dict[int, tuple[Array, Array]] = {}
-        for f, border in enumerate(plan.fronts.borders):
-            p, q = starts[f + 1] - starts[f], len(border)
-            pivot = store[offsets[2 * f] : offsets[2 * f + 1]].reshape(p, p)
-            outer = store[offsets[2 * f + 1] : offsets[2 * f + 2]].reshape(p, q)
-            buffer, rest = buffers.take(q)
-            if plan.children[f]:
-                rest.fill(0.0)
-            blocks = pivot, outer, rest
-            for child in plan.children[f]:
-                spent, update = left_over.pop(child)
-                for which, to, source in plan.transfers[child]:
-                    block = blocks[which][to]  # a view; adding to blocks[which][to] itself would copy it once more
-                    block += update[source]
-                buffers.give(spent)
-            original = spare[: p * p].reshape(p, p)
-            original[...] = pivot
-            kept = 1.0 if plan.children[f] else 0.0  # BLAS does not read what it is to multiply by zero
-            lower, info = dpotrf(pivot.T, lower=1, overwrite_a=1, clean=0)
-            if info == 0:
-                exchanges = None
-                if q:
-                    dtrsm(1.0, lower, outer.T, side=1, lower=1, trans_a=1, overwrite_b=1)
-                    dsyrk(-1.0, outer.T, beta=kept, c=rest.T, lower=1, overwrite_c=1)
-            else:
-                pivot[...] = original
-                lower, exchanges = self._eliminate_indefinite(pivot, outer, rest, kept)
-            self._fronts.append(_Front(starts[f], starts[f + 1], border, lower, outer, exchanges))
-            left_over[f] = buffer, rest
+        spare = np.empty(int(plan.pivots[np.array(numbers, dtype=np.int64)].max(initial=0)) ** 2)
+        with np.errstate(all="ignore"):
+            for f in numbers:
+                border = plan.fronts.borders[f]
+                p, q = starts[f + 1] - starts[f], len(border)
+                pivot = store[offsets[2 * f] : offsets[2 * f + 1]].reshape(p, p)
+                outer = store[offsets[2 * f + 1] : offsets[2 * f + 2]].reshape(p, q)
+                buffer, rest = buffers.take(q)
+                if plan.children[f]:
+                    rest.fill(0.0)
+                blocks = pivot, outer, rest
+                for child in plan.children[f]:
+                    spent, update = self._left_over.pop(child)
+                    for which, to, source in plan.transfers[child]:
+                        block = blocks[which][to]  # a view; adding to blocks[which][to] itself would copy it once more
+                        block += update[source]
+                    buffers.give(spent)
+                original = spare[: p * p].reshape(p, p)
+                original[...] = pivot
+                kept = 1.0 if plan.children[f] else 0.0  # BLAS does not read what it is to multiply by zero
+                lower, info = dpotrf(pivot.T, lower=1, overwrite_a=1, clean=0)
+                if info == 0:
+                    exchanges = None
+                    if q:
+                        dtrsm(1.0, lower, outer.T, side=1, lower=1, trans_a=1, overwrite_b=1)
+                        dsyrk(-1.0, outer.T, beta=kept, c=rest.T, lower=1, overwrite_c=1)
+                else:
+                    pivot[...] = original
+                    lower, exchanges = self._eliminate_indefinite(f, pivot, outer, rest, kept)
+                self.made[f] = _Front(starts[f], starts[f + 1], border, lower, outer, exchanges)
+                self._left_over[f] = buffer, rest
 
     def _eliminate_indefinite(
-        self, pivot: Array, outer: Array, rest: Array, kept: float
+        self, f: int, pivot: Array, outer: Array, rest: Array, kept: float
     ) -> tuple[Array, NDArray[np.int32]]:
         """Factor a block that is not positive definite (Bunch and Kaufman); `outer` becomes F11^-1 F21'."""
         from scipy.linalg.lapack import dsytrf, dsytrs
@@ -209,14 +217,37 @@ class MultifrontalFactor(CheckedFactor):
             raise SingularMatrixError("a front of the stiffness matrix is singular")
         # Blocks of one have the sign of their entry; blocks of two are chosen only where they are indefinite.
         single = exchanges > 0
-        self._negative += int(np.count_nonzero(lower.diagonal()[single] < 0)) + int(np.count_nonzero(~single)) // 2
+        self.negative[f] = int(np.count_nonzero(lower.diagonal()[single] < 0)) + int(np.count_nonzero(~single)) // 2
         if rest.size:
             solved = dsytrs(lower, exchanges, outer, lower=1)[0]
-            self._doubtful |= not np.abs(solved).max() < AMPLIFIED
+            if not np.abs(solved).max() < AMPLIFIED:
+                self.doubtful.append(f)
             rest *= kept
             rest -= solved.T @ outer
             outer[...] = solved
         return lower, exchanges
+
+
+class MultifrontalFactor(CheckedFactor):
+    """Factor of a matrix, front by front."""
+
+    backend = "multifrontal"
+
+    def __init__(self, matrix: Any, plan: FrontPlan) -> None:
+        super().__init__(matrix)
+        self._order = plan.fronts.order
+        store = np.zeros(plan.size)
+        store[plan.places] = self.matrix.data[plan.taken]
+        work = _Elimination(plan, store)
+        with one_thread():
+            side_by_side, rest = plan.shares(threads_for(plan.size))
+            if side_by_side:
+                with ThreadPoolExecutor(len(side_by_side)) as pool:
+                    list(pool.map(work.eliminate, side_by_side))
+            work.eliminate(rest)
+        self._fronts = [work.made[f] for f in range(len(work.made))]
+        self._negative = sum(work.negative.values())
+        self._doubtful = any(work.doubtful)  # whether some front amplifies so much that its signs want a second look
 
     @property
     def negative(self) -> int:

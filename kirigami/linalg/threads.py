@@ -7,11 +7,20 @@ from contextlib import AbstractContextManager, nullcontext
 from functools import cache
 from typing import Any
 
+from kirigami.primitives.processors import processors
+
+LARGE = 4_000_000  # numbers in a factor from which on threads gain more than they cost
+
 
 def one_thread() -> AbstractContextManager[Any]:
     """Keep BLAS and LAPACK to one thread where threadpoolctl is installed (extra "fast"); else change nothing."""
     controller = _controller()
     return nullcontext() if controller is None else controller.limit(limits=1, user_api="blas")
+
+
+def threads_for(numbers: int) -> int:
+    """How many threads a factorisation of that many numbers takes."""
+    return processors() if numbers >= LARGE else 1
 
 
 @cache

@@ -1,0 +1,80 @@
+"""Threads change no answer: fronts of a factorisation bit by bit, sums over facets up to rounding."""
+
+import numpy as np
+import pytest
+
+import kirigami as kg
+from kirigami.linalg import factorize, multifrontal
+from kirigami.linalg.subtrees import shares
+from kirigami.primitives.processors import processors
+
+THREADS = (1, 2, 3)
+
+
+@pytest.fixture(scope="module")
+def sheet():
+    mesh = kg.Sheet([(0, 0), (3, 0), (3, 2), (0, 2)], [[(0.5, 1), (2.5, 1)]]).mesh(0.12)
+    model = kg.Model.from_mesh(mesh, 0.01, kg.Material(1e6, 0.3), stiffness="shell")
+    model.add(kg.Fix(model.select(boundary="left"), clamp=True), kg.Prescribe(model.select(boundary="right"), x=-0.05))
+    system = kg.System(model)
+    return system, system.displacement(np.zeros(system.free), 1.0)
+
+
+def test_a_factor_is_the_same_for_any_number_of_threads(sheet, monkeypatch):
+    """Also where it is indefinite: a squeezed sheet, whose negative eigenvalues are counted alike."""
+    system, u = sheet
+    matrix, right = system.matrix(system.stiffness_blocks(u, 1.0)), system.reduce(system.forces(u, 1.0)[0])
+    found = []
+    for threads in THREADS:
+        monkeypatch.setattr(multifrontal, "threads_for", lambda numbers, threads=threads: threads)
+        factor = factorize(matrix)
+        assert factor.backend == "multifrontal"
+        found.append((factor.negative, factor.solve(right)))
+    assert found[0][0] > 0
+    for negative, solution in found[1:]:
+        assert negative == found[0][0]
+        np.testing.assert_array_equal(solution, found[0][1])
+
+
+def test_forces_and_tangent_are_the_same_for_any_number_of_threads(sheet, monkeypatch):
+    pytest.importorskip("numba")
+    from kirigami.elements import compiled_shell
+
+    system, u = sheet
+    monkeypatch.setattr(compiled_shell, "MANY", 10)
+    found = []
+    for threads in THREADS:
+        monkeypatch.setattr(compiled_shell, "processors", lambda threads=threads: threads)
+        once, again = ((*system.forces(u, 1.0), system.stiffness_blocks(u, 1.0)) for _ in range(2))
+        for one, other in zip(once, again):
+            np.testing.assert_array_equal(one, other)  # repeatable
+        found.append(once)
+    for other in found[1:]:
+        for one, two in zip(found[0], other):
+            np.testing.assert_allclose(two, one, rtol=1e-9, atol=1e-12 * np.abs(one).max())
+
+
+def test_shares_of_a_tree_are_whole_subtrees():
+    """Every front belongs to one thread or to the rest; no thread waits for another, and the rest waits for all."""
+    random = np.random.default_rng(0)
+    parent = np.array([*(random.integers(k + 1, min(k + 30, 400)) for k in range(399)), -1])
+    work = random.uniform(1, 2, 400)
+    for threads in (1, 2, 5):
+        groups, rest = shares(parent, work, threads)
+        assert sorted([*sum(groups, []), *rest]) == list(range(400))
+        for group in groups:
+            inside = set(group)
+            assert group == sorted(group)
+            for child, above in enumerate(parent.tolist()):
+                assert (above in inside) <= (child in inside)  # whoever has a front has all below it
+        if threads == 2:
+            loads = [work[group].sum() for group in groups]
+            assert min(loads) > 0.5 * max(loads) and sum(loads) > 0.5 * work.sum()
+
+
+def test_processors_are_those_allowed(monkeypatch):
+    monkeypatch.setenv("OMP_NUM_THREADS", "1")
+    assert processors() == 1
+    monkeypatch.setenv("OMP_NUM_THREADS", "nonsense")
+    monkeypatch.delenv("OPENBLAS_NUM_THREADS", raising=False)
+    assert processors() >= 1
