@@ -61,7 +61,7 @@ def test_shares_of_a_tree_are_whole_subtrees():
     work = random.uniform(1, 2, 400)
     for threads in (1, 2, 5):
         groups, rest = shares(parent, work, threads)
-        assert sorted([*sum(groups, []), *rest]) == list(range(400))
+        assert sorted([front for group in [*groups, rest] for front in group]) == list(range(400))
         for group in groups:
             inside = set(group)
             assert group == sorted(group)
