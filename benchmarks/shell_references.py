@@ -13,6 +13,7 @@ of two.
 
     python benchmarks/shell_references.py                          # coarse meshes, all rungs
     python benchmarks/shell_references.py --cases disc --meshes coarse medium --stiffness shell plate
+    python benchmarks/shell_references.py --meshes 1000 --stiffness shell       # own meshes of 1,000 nodes
     python benchmarks/shell_references.py --picture docs/images/accuracy_and_time.png
 """
 
@@ -27,12 +28,14 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import shapely
 
 import kirigami as kg
 from kirigami.study.accuracy import quantities
 from kirigami.study.reference import QUANTITIES, read_reference
 
 DATA = Path(__file__).parent / "data"
+ROUGH = 2e-4  # of the size of a sheet: how far own meshes may leave its rims
 
 
 @dataclass(frozen=True)
@@ -72,11 +75,45 @@ def read_mesh(case: str, level: str) -> tuple[kg.TriMesh, np.ndarray]:
         return kg.TriMesh(file["nodes"], file["triangles"], sets), file["height"]
 
 
+def own_mesh(case: str, nodes: int) -> tuple[kg.TriMesh, np.ndarray]:
+    """A mesh of this package, within a budget of nodes, of the sheet that the coarse mesh outlines, with the same grips
+    and the imperfection interpolated."""
+    from scipy.interpolate import LinearNDInterpolator, NearestNDInterpolator
+
+    given, height = read_mesh(case, "coarse")
+    finer, finer_height = read_mesh(case, "medium")
+    outer, *inner = (given.nodes[loop, :2] for loop in given.boundary_loops)
+    rough = ROUGH * given.size  # the coarse mesh has more points along its cuts than such a mesh
+    sheet = kg.Sheet(
+        shapely.Polygon(outer).simplify(rough), [shapely.Polygon(loop).simplify(rough) for loop in inner]
+    )
+    x, y = given.nodes[:, :2].T
+    ends = {name: given.nodes[nodes_of, :2] for name, nodes_of in given.sets.items()}
+    lines = {}
+    for name, points in ends.items():
+        if case == "cells":  # strips: their inner lines are mesh lines
+            level = points[:, 1].max() if name == "bottom" else points[:, 1].min()
+            lines[f"{name} line"] = shapely.LineString([(x.min(), level), (x.max(), level)])
+    made = sheet.mesh(nodes=nodes, lines=lines)
+    at = made.nodes[:, :2]
+    sets = {}
+    for name, points in ends.items():
+        low, high = points.min(axis=0) - 1e-9, points.max(axis=0) + 1e-9
+        if case == "disc":  # arcs: all of the outline between their ends
+            low[1], high[1] = (0.0, np.inf) if name == "top" else (-np.inf, 0.0)
+        inside = ((at >= low) & (at <= high)).all(axis=1)
+        on_rim = np.isin(np.arange(len(at)), made.boundary("outer"))
+        sets[name] = np.flatnonzero(inside & (on_rim | (case == "cells")))
+    near, wide = (kind(finer.nodes[:, :2], finer_height) for kind in (NearestNDInterpolator, LinearNDInterpolator))
+    found = wide(at)
+    return made.with_sets(**sets), np.where(np.isnan(found), near(at), found)
+
+
 def run(case: str, level: str, stiffness: str) -> dict[str, float]:
     """Follow one case with one rung on one mesh; cost, and the quantities at the load factors."""
     known = CASES[case]
     begin = time.process_time()
-    mesh, height = read_mesh(case, level)
+    mesh, height = own_mesh(case, int(level)) if level.isdecimal() else read_mesh(case, level)
     m = kg.Model.from_mesh(mesh, known.thickness, known.material, stiffness)
     m.perturb(height)
     grip = {name: [m.nodes[k] for k in mesh.sets[name]] for name in mesh.sets}
@@ -142,7 +179,7 @@ def shell_errors(case: str, level: str, wanted: dict[str, np.ndarray]) -> dict[s
 def main(arguments: Sequence[str] | None = None) -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--cases", nargs="+", choices=list(CASES), default=list(CASES))
-    parser.add_argument("--meshes", nargs="+", choices=("coarse", "medium"), default=["coarse"])
+    parser.add_argument("--meshes", nargs="+", default=["coarse"], help="coarse, medium, or a budget of own nodes")
     parser.add_argument("--stiffness", nargs="+", default=["paper", "plate", "facet", "shell"])
     parser.add_argument("--folder", type=Path, default=Path("shell_references"))
     parser.add_argument("--picture", type=Path)

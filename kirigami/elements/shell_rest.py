@@ -17,6 +17,7 @@ from kirigami.primitives.parts import Numbering
 from kirigami.primitives.rows import EdgeRows
 
 SHARP = np.radians(30.0)  # an edge between facets that meet at more is a fold of the rest shape, not a part of a curve
+FAR = 0.21  # of its length is how far the middle of an edge may be off it: the arc of a right angle
 Index = NDArray[np.int64]
 
 
@@ -61,6 +62,7 @@ def numbered_edges(numbering: Numbering, triangles: Index, normals: Sequence[Any
         offset = edge_bulges(images.points, images.triangles, every, images.normals, is_fold[source])[:count]
     else:
         offset = edge_bulges(numbering.rest, triangles, edge, normals, is_fold)
+    _check_middles(numbering, ends, offset, length)
     middle = numbering.add_rows(offset, 0.25 * length)
     idle = np.zeros((1, 3), dtype=bool)
     idle[0, 2] = True
@@ -69,6 +71,20 @@ def numbered_edges(numbering: Numbering, triangles: Index, normals: Sequence[Any
     other[is_fold] = numbering.add_rows(np.zeros((int(is_fold.sum()), 3)), length[is_fold], idle)
     angle = np.where(triangles < following, one[edge], other[edge])
     return EdgeRows(triangles, ends, edge, middle, angle, length)
+
+
+def _check_middles(numbering: Numbering, ends: Index, offset: Array, length: Array) -> None:
+    """The middle of an edge lies by the edge: normals that say otherwise belong to another surface or a finer mesh."""
+    bad = np.flatnonzero(~(np.linalg.norm(offset, axis=1) <= FAR * length))
+    if bad.size:
+        a, b = ends[bad[0]].tolist()
+        far = np.linalg.norm(offset[bad[0]]) / length[bad[0]]
+        where = f"{far:.3g} of its length off it" if np.isfinite(far) else "nowhere, since they lie along it"
+        raise ModelError(
+            f"ShellFacet: by the normals at its ends, the middle of the edge from {numbering.describe(a)} to "
+            f"{numbering.describe(b)} ({bad.size} such in all) is {where}: an edge may turn by a right angle at most; "
+            "give the normals of the surface there, or make the mesh finer"
+        )
 
 
 def _check_folds(
@@ -120,7 +136,8 @@ def bulges(ends: Array, normals: Array) -> Array:
     square = (chord**2).sum(axis=1)
     up = normals.sum(axis=1)
     up -= ((up * chord).sum(axis=1) / square)[:, None] * chord
-    up /= np.linalg.norm(up, axis=1)[:, None]
+    with np.errstate(divide="ignore", invalid="ignore"):  # normals along the edge say nothing
+        up /= np.linalg.norm(up, axis=1)[:, None]
     length = np.sqrt(square)
     along = np.einsum("nka,na->nk", normals, chord) / length[:, None]
     slope = np.arctan2(-along, np.einsum("nka,na->nk", normals, up))
