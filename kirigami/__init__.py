@@ -36,6 +36,7 @@ _HOME = {
     "EdgeLoad": "model.spread_loads",
     "AreaLoad": "model.spread_loads",
     "Gravity": "model.spread_loads",
+    "Mass": "elements.mass",
     "Calibration": "elements.stiffness",
     "System": "system.system",
     "Kernel": "primitives.kernel",
@@ -58,6 +59,7 @@ _HOME = {
     "Eigen": "analysis.eigen",
     "Mode": "analysis.modes",
     "Buckling": "analysis.buckling",
+    "Dynamics": "analysis.dynamics.dynamics",
     "LoadControl": "analysis.path.methods",
     "DisplacementControl": "analysis.path.methods",
     "ArcLength": "analysis.path.methods",
@@ -97,6 +99,7 @@ if TYPE_CHECKING:
     from kirigami import plot as plot
     from kirigami import study as study
     from kirigami.analysis.buckling import Buckling as Buckling
+    from kirigami.analysis.dynamics.dynamics import Dynamics as Dynamics
     from kirigami.analysis.eigen import Eigen as Eigen
     from kirigami.analysis.linear import LinearStatic as LinearStatic
     from kirigami.analysis.modes import Mode as Mode
@@ -116,6 +119,7 @@ if TYPE_CHECKING:
     from kirigami.elements.curved_facet import CurvedFacet as CurvedFacet
     from kirigami.elements.curved_facet import Normal as Normal
     from kirigami.elements.facet import Facet as Facet
+    from kirigami.elements.mass import Mass as Mass
     from kirigami.elements.shell_facet import ShellFacet as ShellFacet
     from kirigami.elements.stiffness import Calibration as Calibration
     from kirigami.elements.torsion_spring import TorsionSpring3 as TorsionSpring3

@@ -18,7 +18,7 @@ import kirigami as kg
 SIGNATURES = {
     "Material": "(E, nu=1 / 3, density=None)",
     "Node": "(x, y, z=0.0, *, name=None)",
-    "Bar": "(i, j, EA, *, rest_length=None, strain='green', law='linear')",
+    "Bar": "(i, j, EA, *, rest_length=None, strain='green', law='linear', mass_per_length=0.0)",
     "BendHinge": "(i, j, k, l, stiffness, *, rest_angle=None)",
     "TorsionSpring3": "(i, j, k, stiffness, *, rest_angle=None)",
     "Fix": "(nodes, dofs='xyz', clamp=False)",
@@ -41,6 +41,9 @@ SIGNATURES = {
     "LinearStatic.run": "(self)",
     "Eigen": "(model, n=6, about=None, mass='unit')",
     "Eigen.run": "(self)",
+    "Mass": "(nodes, mass)",
+    "Dynamics": "(model, end, step, damping=0.0, scheme='conserving', start=None)",
+    "Dynamics.run": "(self, progress=False, recorders=(), on_failure='raise')",
     "LoadControl": "(model, to=1.0, targets=None, step=None, tol=1e-8)",
     "LoadControl.run": "(self, progress=False, recorders=(), on_failure='raise')",
     "DisplacementControl": "(model, to=1.0, control=None, targets=None, step=None, tol=1e-8, start=None)",

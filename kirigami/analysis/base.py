@@ -72,6 +72,32 @@ class Run:
             check_floppy(system, matrix, factor)
         return blocks, factor
 
+    def begin_at(self, start: Step | None) -> tuple[Array, float]:
+        """Unknowns and load factor where the run begins: at rest, or at a given step."""
+        system = self.system
+        lam, u = 0.0, np.zeros_like(system.rest)
+        if start is not None:
+            if start.u.shape[0] != system.points:
+                raise ModelError(
+                    f"start has {start.u.shape[0]} nodes, the model has {system.points}: it is of another model"
+                )
+            u = system.joined(start.u, start.inner)
+            if start.stage == system.model.stage:
+                lam = start.lam
+            else:
+                system.start_stage(u)
+            error = system.constraint_error(u, lam)
+            if error > 1e-6 * system.size:
+                raise ModelError(
+                    f"start does not satisfy the constraints at load factor {lam:.6g} (off by {error:.3g}): "
+                    "after changing supports call model.hold(step), which keeps what the earlier stage drove"
+                )
+            system.history = start.history
+        q = system.unknowns(u)
+        if start is not None and not any(value is not None for value in start.history):
+            system.commit(system.displacement(q, lam))
+        return q, lam
+
     def make_step(self, u: Array, lam: float, negative: int | None, residual: float, iterations: int) -> Step:
         """A step to store from an equilibrium, with the residual measured against the reactions as well.
 

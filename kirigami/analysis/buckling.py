@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from kirigami.analysis.base import Analysis, Run, require_drive
-from kirigami.analysis.modes import Modes, nodal_shape
+from kirigami.analysis.modes import Modes
 from kirigami.errors import AnalysisError, ModelError
 from kirigami.linalg import SingularMatrixError, critical_factors
 from kirigami.model.model import Model
@@ -94,7 +94,7 @@ class Buckling(Analysis):
                 "is the drive the other way round?"
             )
         run.finish()
-        return Modes(scale * values, np.array([nodal_shape(system, vector) for vector in vectors.T]))
+        return Modes.of(run.results, system, scale * values, vectors, rest, 0.0)
 
     @staticmethod
     def _prestressed(system: System, constant: Array, rate: Array, lam: float) -> Any:

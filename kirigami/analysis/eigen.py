@@ -6,16 +6,17 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from kirigami.analysis.base import Analysis, Run
-from kirigami.analysis.modes import Modes, nodal_shape
+from kirigami.analysis.modes import Modes
 from kirigami.errors import ModelError
 from kirigami.linalg import lowest_eigenpairs
 from kirigami.model.model import Model
 from kirigami.primitives.checks import require_array, require_choice, require_instance, require_whole
 from kirigami.primitives.kernel import Array
 from kirigami.results.step import Step
+from kirigami.system.inertia import Inertia
 from kirigami.system.supports import costs_energy, rigid_unknowns
 
-MASSES = ("unit", "lumped")
+MASSES = ("unit", "consistent", "lumped")
 
 
 class Eigen(Analysis):
@@ -32,14 +33,15 @@ class Eigen(Analysis):
         How many modes.
     about : Step, optional
         Equilibrium about which the stiffness is taken; None is the rest state.
-    mass : "unit", "lumped" or array_like, shape (n_nodes,)
-        Mass of the nodes: 1 each, a third of the mass of the facets around (models from a mesh, with a density), or
-        given.
+    mass : "unit", "consistent", "lumped" or array_like, shape (n_nodes,)
+        "unit": 1 at each node, for shapes. The masses of the model, which make frequencies: "consistent", as the
+        displacements of facets and bars distribute them, or "lumped", the same at the nodes alone, a third of each
+        facet's and a half of each bar's. Or the mass of each node.
 
     Raises
     ------
     ModelError
-        More modes than unknowns, or mass that is missing or not positive.
+        More modes than unknowns, a sheet without density or a model without any mass, or one that is not positive.
 
     Examples
     --------
@@ -50,6 +52,9 @@ class Eigen(Analysis):
     >>> values = kg.Eigen(m, n=4).run().values     # three rigid motions and the stretch, 2 EA / L
     >>> [round(abs(float(v)), 6) for v in values]
     [0.0, 0.0, 0.0, 2.0]
+    >>> masses = m.add(kg.Mass([a, b], 0.5))       # two masses on a spring: sqrt(2 k / m) / (2 pi) hertz
+    >>> round(float(kg.Eigen(m, n=4, mass="consistent").run().frequencies[3]), 6)
+    0.31831
     """
 
     def __init__(self, model: Model, n: int = 6, about: Step | None = None, mass: str | ArrayLike = "unit") -> None:
@@ -63,8 +68,6 @@ class Eigen(Analysis):
 
     def run(self) -> Modes:
         """Compute the modes."""
-        from scipy.sparse import diags
-
         run = Run(self)
         system = run.system
         if self.n > system.free:
@@ -73,36 +76,29 @@ class Eigen(Analysis):
         if self.about is not None:
             u, lam = system.joined(self.about.u, self.about.inner), self.about.lam
             system.history = self.about.history
-        matrix = system.matrix(system.stiffness_blocks(u, lam))
-        nodal = np.zeros(len(system.rest))  # rows behind the nodes follow without inertia
-        nodal[: system.points] = self._nodal_mass(system.points)
-        weight = system.reduce(np.repeat(nodal[:, None], system.dim, axis=1))
-        massive = int(np.count_nonzero(weight))
+        inertia = Inertia(system, self._mass(system.points))
+        matrix = system.matrix(system.stiffness_blocks(u, lam))  # in the pattern that has room for the masses
+        massive = int(np.count_nonzero(inertia.matrix.diagonal()))
         if self.n > massive:
             raise ModelError(f"Eigen: {self.n} modes asked for, but only {massive} unknowns of the model have mass")
         with system.clock("eigenpairs"):
             rigid = rigid_unknowns(system, u, matrix)
             values, vectors = lowest_eigenpairs(
                 matrix,
-                diags(weight, format="csc"),
+                inertia.matrix,
                 self.n,
                 rigid,
                 run.factorize,
                 (lambda vector: costs_energy(system, vector)) if self.about is None else None,
             )
         run.finish()
-        return Modes(values, np.array([nodal_shape(system, vector) for vector in vectors.T]))
+        timed = not (isinstance(self.mass, str) and self.mass == "unit")
+        return Modes.of(run.results, system, values, vectors, u, lam, timed)
 
-    def _nodal_mass(self, n: int) -> Array:
+    def _mass(self, n: int) -> str | Array:
+        """What the masses are, by name or at each node."""
         if isinstance(self.mass, str):
-            if self.mass == "unit":
-                return np.ones(n)
-            constants, mesh = self.model.sheet_constants, self.model.mesh
-            per_area = None if constants is None or mesh is None else constants.mass_per_area(len(mesh.triangles))
-            if mesh is None or per_area is None:
-                raise ModelError("Eigen: mass='lumped' needs a model from a mesh whose material has a density")
-            facet = per_area * mesh.facet_areas / 3
-            return np.asarray(np.bincount(mesh.triangles.ravel(), np.repeat(facet, 3), n), dtype=float)
+            return np.ones(n) if self.mass == "unit" else self.mass
         given = self.mass
         if given.shape != (n,) or not np.isfinite(given).all() or np.any(given <= 0):
             raise ModelError(f"Eigen: mass must be one positive number for each of the {n} nodes")

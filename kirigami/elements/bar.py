@@ -29,7 +29,7 @@ from numpy.typing import NDArray
 
 from kirigami.elements.driven_rest import driven, held_at, targets_of, untouched
 from kirigami.errors import ModelError
-from kirigami.primitives.checks import require_choice, require_positive
+from kirigami.primitives.checks import require_choice, require_not_negative, require_positive
 from kirigami.primitives.kernel import EXACT, Array, CompiledKernel, Contribution, Kernel, Tangent, displacement_of
 from kirigami.primitives.node import Node, require_nodes
 from kirigami.primitives.parts import ModelObject, Numbering
@@ -58,11 +58,14 @@ class Bar(ModelObject):
         one that is just straight as a bar.
     target_length : float, optional
         Length without stress at load factor 1: it is driven there from the rest length with the load factor.
+    mass_per_length : float
+        Mass over the length without stress at load factor 0 [mass / length]; only where mass matters. The bars of a
+        sheet have none: its mass belongs to its facets.
 
     Raises
     ------
     ModelError
-        EA or rest length not positive and finite, the same node twice, an unknown strain or law.
+        EA or rest length not positive and finite, a negative mass, the same node twice, an unknown strain or law.
 
     Examples
     --------
@@ -81,6 +84,7 @@ class Bar(ModelObject):
     law: str
     target_length: float | None
     reached: float | None
+    mass_per_length: float
 
     def __init__(
         self,
@@ -92,6 +96,7 @@ class Bar(ModelObject):
         strain: str = "green",
         law: str = "linear",
         target_length: float | None = None,
+        mass_per_length: float = 0.0,
     ) -> None:
         require_nodes("Bar", i=i, j=j)
         put = object.__setattr__
@@ -104,6 +109,7 @@ class Bar(ModelObject):
         target = None if target_length is None else require_positive(target_length, "target_length", "Bar")
         put(self, "target_length", target)
         put(self, "reached", None)
+        put(self, "mass_per_length", require_not_negative(mass_per_length, "mass_per_length", "Bar"))
         if i is j:
             raise ModelError(f"Bar from {i!r} to itself: a bar needs two different nodes")
         if law == "ogden" and strain != "green":
@@ -133,6 +139,7 @@ class Bar(ModelObject):
         EA = np.array([bar.EA for bar in objects])
         length = np.array([math.nan if bar.rest_length is None else bar.rest_length for bar in objects])
         length = np.where(np.isnan(length), distance, length)
+        line = np.array([bar.mass_per_length for bar in objects])
         kernels: list[Kernel] = []
         groups: dict[tuple[str, str, bool], list[int]] = {}
         for position, bar in enumerate(objects):
@@ -140,8 +147,11 @@ class Bar(ModelObject):
         for (strain, law, _), positions in sorted(groups.items()):
             members = np.array(positions)
             targets = targets_of([objects[position] for position in positions], "target_length")
+            mass = line[members] if line[members].any() else None
             kernels.append(
-                BarKernel(numbering.rest, conn[members], EA[members], length[members], strain, law, members, targets)
+                BarKernel(
+                    numbering.rest, conn[members], EA[members], length[members], strain, law, members, targets, mass
+                )
             )
         return kernels
 
@@ -165,18 +175,29 @@ class BarKernel(Kernel):
         law: str = "linear",
         members: NDArray[np.int64] | None = None,
         targets: Array | None = None,
+        mass_per_length: Array | None = None,
     ) -> None:
         self.rest, self.conn, self.EA = rest, conn, EA
         self.rest_length, self.drive = driven(rest_length, targets)
         self.scaled = self.drive is not None
         self.strain, self.law, self.members = strain, law, members
+        self.mass_per_length = mass_per_length  # (n,), None where no bar has mass
         self._rest_vector = self._between(rest)
         self._distance = np.sqrt((self._rest_vector**2).sum(axis=0))
         self._rest_strain = self._strain_at_rest(self.rest_length)
 
     def arrays(self) -> dict[str, Any]:
         own = {name: getattr(self, name) for name in ("conn", "EA", "rest_length", "strain", "law", "members")}
+        if self.mass_per_length is not None:
+            own["mass_per_length"] = self.mass_per_length
         return own if self.drive is None else {**own, "targets": untouched(self.rest_length, self.drive)}
+
+    def mass(self, lumped: bool = False) -> Array | None:
+        """Mass matrices (n, 2, 2) of bars whose displacement is linear between the ends; lumped, a half at each."""
+        if self.mass_per_length is None:
+            return None
+        shares = np.eye(2) / 2 if lumped else np.array([[2.0, 1.0], [1.0, 2.0]]) / 6
+        return np.asarray((self.mass_per_length * self.rest_length)[:, None, None] * shares)
 
     def _strain_at_rest(self, length: Array) -> Array:
         """Green strain (n,) in the rest state for given rest lengths."""

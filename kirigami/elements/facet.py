@@ -27,6 +27,7 @@ from kirigami.elements.triangle import (
     ENDS,
     STARTS,
     check_areas,
+    corner_mass,
     edge_vectors,
     flat_edges,
     membrane_stiffness,
@@ -119,9 +120,11 @@ class Facet(ModelObject):
             thickness = np.array([facet.thickness for facet in chosen])
             E = np.array([facet.material.E for facet in chosen])
             nu = np.array([facet.material.nu for facet in chosen])
-            conn = numbering.connectivity(chosen)
+            per_area = [facet.material.mass_per_area(facet.thickness) for facet in chosen]
+            density = np.array([np.nan if value is None else value for value in per_area])
+            conn, members = numbering.connectivity(chosen), np.array(positions)
             share = None if beyond is None else beyond[positions]
-            kernels.append(FacetKernel(numbering.rest, conn, bends, thickness, E, nu, np.array(positions), share))
+            kernels.append(FacetKernel(numbering.rest, conn, bends, thickness, E, nu, members, share, density))
         return kernels
 
 
@@ -165,8 +168,10 @@ class FacetKernel(Kernel):
         nu: Array,
         members: NDArray[np.int64] | None = None,
         beyond: Array | None = None,
+        density: Array | None = None,
     ) -> None:
         self.rest, self.members, self.beyond = rest, members, beyond
+        self.density = density  # mass per area (n,), nan where unknown
         self.thickness, self.E, self.nu = thickness, E, nu
         dim = rest.shape[1]
         self._given, self.bends = conn, bends
@@ -200,8 +205,16 @@ class FacetKernel(Kernel):
                 self._bending = without_fold(self._bending, edge, ~bends[:, edge])[0]
 
     def arrays(self) -> dict[str, Any]:
-        names = ("bends", "thickness", "E", "nu", "members", "beyond")
+        names = ("bends", "thickness", "E", "nu", "members", "beyond", "density")
         return {"conn": self._given} | {name: getattr(self, name) for name in names}
+
+    def mass(self, lumped: bool = False) -> Array | None:
+        """Mass matrices (n, k, k), of the corners alone; None where a density is unknown."""
+        if self.density is None or not np.isfinite(self.density).all():
+            return None
+        full = np.zeros((*self.conn.shape, self.conn.shape[1]))
+        full[:, :3, :3] = corner_mass(self.density * self.area, lumped)
+        return full
 
     @property
     def history(self) -> Array | None:

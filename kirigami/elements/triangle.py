@@ -121,3 +121,10 @@ def without_compression(force: Array, to_strain: Array) -> Array:
     centre = 0.5 * (high + low)
     kept = np.stack([centre + turn * half, centre - turn * half, turn * shear], axis=1)
     return np.asarray(np.einsum("nac,na->nc", to_strain, kept))
+
+
+def corner_mass(mass: Array, lumped: bool) -> Array:
+    """Mass matrices (n, 3, 3) of triangles of given `mass` (n,) whose displacement is linear between the corners;
+    lumped, a third at each."""
+    shares = np.eye(3) / 3 if lumped else (1 + np.eye(3)) / 12
+    return np.asarray(mass[:, None, None] * shares)

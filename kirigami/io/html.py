@@ -120,7 +120,7 @@ def _contents(results: Results, shown: NDArray[np.int64]) -> tuple[dict[str, Any
     blocks: list[bytes] = []
     head: dict[str, Any] = {
         "nodes": positions.shape[1], "frames": len(shown), "low": low.tolist(), "extent": extent.tolist(),
-        "flat": results.dim == 2, "lam": results.lam.tolist(),
+        "flat": results.dim == 2, "lam": results.lam.tolist(), "time": results.time.tolist() if results.moves else None,
     }  # fmt: skip
     # Differences from step to step, low and high bytes apart: that is what packs well.
     change = np.diff(levels, axis=0, prepend=np.zeros_like(levels[:1])).transpose(0, 2, 1)

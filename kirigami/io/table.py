@@ -58,7 +58,8 @@ def curves(results: Results, reactions: Mapping[str, Nodes] | None = None) -> di
     >>> found["reaction_driven_0_x"].round(12).tolist()
     [0.0, 1.0]
     """
-    found = {"load_factor": results.lam}
+    found = {"time": results.time} if results.moves else {}
+    found |= {"load_factor": results.lam}
     for drive in results.drives:
         found |= {drive.column: drive.travel(results), drive.response: drive.force(results)}
     found |= {
@@ -178,12 +179,15 @@ def to_xarray(results: Results) -> Any:
         variables["triangles"] = (("facet", "corner"), results.mesh.triangles)
         if results.mesh.cuts and len(results):
             variables["open_area"] = (("step", "cut"), results.open_area())
-    coordinates = {
+    coordinates: dict[str, Any] = {
         "step": np.arange(len(results)),
         "load_factor": ("step", results.lam),
         "node": np.arange(len(results.rest)),
         "axis": list(AXES),
     }
+    if results.moves:
+        coordinates["time"] = ("step", results.time)
+        variables["velocity"] = (("step", "node", "axis"), results.velocity)
     events = [{"kind": event.kind, "load_factor": event.lam, "message": event.message} for event in results.events]
     attributes = {"name": results.name, "dim": results.dim, "events": json.dumps(events)}
     return xarray.Dataset(variables, coordinates, attributes)

@@ -99,7 +99,7 @@ def _reactions(results: Results) -> Any:
 
 
 def _collection(results: Results, files: list[Path]) -> str:
-    lam = results.lam
+    lam = results.time if results.moves else results.lam
     times = lam if np.all(np.diff(lam) > 0) else np.arange(len(lam))
     lines = [
         f'    <DataSet timestep="{time:.17g}" group="" part="0" file="{file.name}"/>'

@@ -46,9 +46,9 @@ def plot_curve(
         Supported nodes whose summed reaction is drawn; None draws the load factor, or of a stretched sheet the force.
     axis : {"x", "y", "z"} or direction of 2 or 3 numbers
         Component of the reaction.
-    x : "lam", (node, axis) or array_like, shape (s,)
-        What it is drawn over: the load factor (of a stretched sheet and its force, the strain), a displacement of a
-        node, or your own values.
+    x : "lam", "time", (node, axis) or array_like, shape (s,)
+        What it is drawn over: the load factor (of a stretched sheet and its force, the strain), the time of a motion, a
+        displacement of a node, or your own values.
     ax : matplotlib axes, optional
         Where to draw; a new figure by default. Draw twice on the same axes to compare two runs.
     label : str, optional
@@ -208,7 +208,10 @@ def _abscissa(results: Results, x: Any, owner: str) -> tuple[Floats, str]:
     if not len(results):
         raise ModelError(f"{owner}: the results hold no step")
     if isinstance(x, str):
-        require_choice(x, ("lam",), "x", owner, or_else="(node, axis), or one value for each step")
+        known = ("lam", "time") if results.moves else ("lam",)
+        require_choice(x, known, "x", owner, or_else="(node, axis), or one value for each step")
+        if x == "time":
+            return results.time, "time"
         return results.lam, "load factor"
     if isinstance(x, tuple) and len(x) == 2 and isinstance(x[1], str):
         node, axis = x

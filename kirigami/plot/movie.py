@@ -16,6 +16,7 @@ from kirigami.plot import style
 from kirigami.plot.deformed import Field, Picture, chosen_view, color_bar, displaced, frame, suitable_axes
 from kirigami.primitives.checks import (
     require_callable,
+    require_not_negative,
     require_path,
     require_positive,
     require_whole,
@@ -27,9 +28,9 @@ if TYPE_CHECKING:
 
 Floats = NDArray[np.float64]
 Pixels = NDArray[np.uint8]  # (height, width, 3)
-Writer = Callable[[Path, list[Pixels], float], None]  # path, pictures, pictures per second
+Writer = Callable[[Path, list[Pixels], float, float], None]  # path, pictures, pictures per second, pause at the end
 
-LAST = 1  # seconds that the last picture stays
+LAST = 1.0  # seconds that the last picture stays
 
 
 MOST_FRAMES = 10_000
@@ -50,11 +51,12 @@ def animate(
     dpi: float = 110,
     cmap: Any = None,
     on_frame: Callable[[int], None] | None = None,
+    pause: float = LAST,
 ) -> Path:
     """Write the deformation as an animated GIF or an MP4 video, by the ending of the name.
 
-    Frames are spaced evenly in the load factor (in the way it went, where the path turns back) and interpolated
-    between the stored steps; colours and scales are the same in all of them, and the last one stays for a second.
+    Frames are spaced evenly in time, or of equilibria in the load factor (in the way it went, where the path turns
+    back), and interpolated between the stored steps; colours and scales are the same in all of them.
 
     Parameters
     ----------
@@ -64,7 +66,7 @@ def animate(
         File to write, ending in ``.gif`` or ``.mp4``. It is written under another name and then renamed. Videos are
         H.264, which every browser and slide program plays, and may be one pixel smaller for that.
     frames : int
-        Number of pictures, at least 2; in a video the last one is then repeated for the second it stays.
+        Number of pictures, at least 2; in a video the last one is then repeated for the time it stays.
     fps : float
         Pictures per second.
     color, edges, view, magnify, cmap
@@ -73,6 +75,8 @@ def animate(
         Pixels per inch; the picture is about five inches wide.
     on_frame : callable, optional
         Called with the number of pictures done after each.
+    pause : float
+        Seconds that the last picture stays, so that a loop does not jump from full stretch to flat unseen.
 
     Returns
     -------
@@ -104,6 +108,7 @@ def animate(
     if frames > MOST_FRAMES:
         raise ModelError(f"animate: frames must be at most {MOST_FRAMES}, got {shown(frames)}")
     fps, dpi = require_positive(fps, "fps", "animate"), require_positive(dpi, "dpi", "animate")
+    pause = require_not_negative(pause, "pause", "animate")
     if not (MIN_FPS <= fps <= MAX_FPS and MIN_DPI <= dpi <= MAX_DPI):
         raise ModelError(
             f"animate: fps must lie between {MIN_FPS} and {MAX_FPS}, dpi between {MIN_DPI} and {MAX_DPI}, got {fps:g} "
@@ -128,7 +133,7 @@ def animate(
     frame(ax, held, looking)
     if bar:
         color_bar(picture, field, place)
-    way = _way(results.lam)
+    way = _way(results.time if results.moves else results.lam)
     canvas: Any = FigureCanvasAgg(figure)
     figure.set_dpi(dpi)
     images: list[Pixels] = []
@@ -143,18 +148,18 @@ def animate(
         if on_frame is not None:
             on_frame(len(images))
     with whole_file(target) as unfinished:
-        write(unfinished, images, float(fps))
+        write(unfinished, images, float(fps), pause)
     return target
 
 
 def _gif_writer() -> Writer:
     from PIL import Image  # which matplotlib depends on
 
-    def write(path: Path, images: list[Pixels], fps: float) -> None:
-        pause = [max(round(1000 / fps), 20)] * len(images)
-        pause[-1] += 1000 * LAST  # so that a loop does not jump from full stretch to flat unseen
+    def write(path: Path, images: list[Pixels], fps: float, pause: float) -> None:
+        lasts = [max(round(1000 / fps), 20)] * len(images)
+        lasts[-1] += round(1000 * pause)
         first, *others = [Image.fromarray(image) for image in images]
-        first.save(path, "GIF", save_all=True, append_images=others, duration=pause, loop=0)
+        first.save(path, "GIF", save_all=True, append_images=others, duration=lasts, loop=0)
 
     return write
 
@@ -163,10 +168,10 @@ def _mp4_writer() -> Writer:
     library("imageio_ffmpeg", "writing a video", extra="viz")  # which brings the ffmpeg that imageio calls
     imageio = library("imageio.v2", "writing a video", extra="viz")
 
-    def write(path: Path, images: list[Pixels], fps: float) -> None:
+    def write(path: Path, images: list[Pixels], fps: float, pause: float) -> None:
         height, width = (side // 2 * 2 for side in images[0].shape[:2])  # colours are stored for 2 x 2 pixels
         with imageio.get_writer(path, format="FFMPEG", fps=fps, quality=8, macro_block_size=2) as video:
-            for image in images + images[-1:] * round(LAST * fps):
+            for image in images + images[-1:] * round(pause * fps):
                 video.append_data(image[:height, :width])
 
     return write
@@ -176,7 +181,7 @@ WRITERS: dict[str, Callable[[], Writer]] = {".gif": _gif_writer, ".mp4": _mp4_wr
 
 
 def _way(lam: Floats) -> Floats:
-    """Share (s,) of the way done at each step, measured in the load factor; in steps where that stands still."""
+    """Share (s,) of the way done at each step, in the load factor or time; in steps where that stands still."""
     walked = np.abs(np.diff(lam))
     if walked.sum() == 0:
         walked = np.ones(len(lam) - 1)

@@ -37,6 +37,7 @@ KERNELS = {
     "CreaseKernel": "elements.crease",
     "CurvedFacetKernel": "elements.curved_facet",
     "FacetKernel": "elements.facet",
+    "MassKernel": "elements.mass",
     "NodalLoadKernel": "model.loads",
     "ShellFacetKernel": "elements.shell_kernel",
     "SpringKernel": "effects.spring",
@@ -89,6 +90,13 @@ def pack(results: Results, with_kernels: bool = True) -> dict[str, Any]:
             value = step.history[position] if len(step.history) > position else None
             if value is not None:
                 arrays[f"history{position}.{number}"] = value
+    if any(step.velocity is not None for step in steps):
+        for name, of in (("velocity", lambda s: s.velocity), ("inner_velocity", lambda s: s.inner_velocity)):
+            still = np.zeros((len(results.rest) if name == "velocity" else len(results.inner_rest), 3))
+            rows = np.array([still if step.velocity is None else of(step) for step in steps])
+            arrays[name] = rows.reshape(len(steps), *still.shape)
+        arrays["time"] = np.array([step.time for step in steps])
+        arrays["kinetic"] = np.array([step.kinetic for step in steps])
     for position, event in enumerate(results.events):
         if event.mode is not None:
             arrays[f"mode{position}"] = event.mode
@@ -335,6 +343,7 @@ def unpack_path(head: dict[str, Any], data: dict[str, Any]) -> tuple[list[Step],
             history=tuple(data.get(f"history{position}.{index}") for position in range(kernels)),
             stage=stage,
             inner=data["inner"][index] if "inner" in data else np.zeros((0, 3)),
+            **_motion(data, index),
         )
         for index, (negative, residual, over_reaction, iterations, kernels, stage) in enumerate(head["steps"])
     ]
@@ -345,6 +354,14 @@ def unpack_path(head: dict[str, Any], data: dict[str, Any]) -> tuple[list[Step],
         for position, (kind, lam, step, message, bracket, found, *energy) in enumerate(head["events"])
     ]  # fmt: skip
     return steps[: head["count"]], events
+
+
+def _motion(data: dict[str, Any], index: int) -> dict[str, Any]:
+    """What a step of a motion has beyond an equilibrium."""
+    if "time" not in data or not np.isfinite(data["time"][index]):
+        return {}
+    rows = {name: data[name][index] for name in ("velocity", "inner_velocity")}
+    return {"time": float(data["time"][index]), "kinetic": float(data["kinetic"][index]), **rows}
 
 
 def _unpack_format_1(head: dict[str, Any], data: dict[str, Any]) -> tuple[list[Step], list[Event]]:

@@ -107,7 +107,7 @@ class Results(ModelRecord):
     def append(self, step: Step) -> None:
         """Store one more step; derived quantities are computed anew when asked for."""
         self.steps.append(step)
-        for name in ("lam", "u", "_row_gradients", "energy", "_told"):
+        for name in ("lam", "u", "time", "velocity", "_row_gradients", "energy", "_told"):
             self.__dict__.pop(name, None)
 
     @cached_property
@@ -119,6 +119,23 @@ class Results(ModelRecord):
     def u(self) -> Array:
         """Displacements (s, n, 3) from the rest state [length]."""
         return np.array([step.u for step in self.steps]).reshape(len(self.steps), len(self.rest), 3)
+
+    @cached_property
+    def time(self) -> Array:
+        """Times (s,) of a motion [time]; nan for equilibria."""
+        return np.array([step.time for step in self.steps])
+
+    @cached_property
+    def velocity(self) -> Array:
+        """Velocities (s, n, 3) of a motion [length / time]; zero for equilibria."""
+        still = np.zeros_like(self.rest)
+        moving = [still if step.velocity is None else step.velocity for step in self.steps]
+        return np.array(moving).reshape(len(self.steps), len(self.rest), 3)
+
+    @property
+    def moves(self) -> bool:
+        """Whether the steps are moments of a motion, and not equilibria."""
+        return any(step.velocity is not None for step in self.steps)
 
     @property
     def grips(self) -> dict[str, tuple[Node, ...] | NDArray[np.int64]]:
@@ -264,12 +281,15 @@ class Results(ModelRecord):
 
     @cached_property
     def energy(self) -> dict[str, Array]:
-        """Stored energy [force length] by kind of kernel, each (s,): "bars", "hinges", "springs", ..."""
+        """Energy [force length], each (s,): stored, by kind of kernel, "bars", "hinges", "springs", ..., and "kinetic"
+        of a motion."""
         totals: dict[str, Array] = {}
         for kernel in self.kernels:
             if kernel.stores_energy:
                 values = np.array([self.member_energy(kernel, step).sum() for step in self.steps])
                 totals[kernel.name] = totals.get(kernel.name, np.zeros(len(self.steps))) + values
+        if self.moves:
+            totals["kinetic"] = np.array([step.kinetic for step in self.steps])
         return totals
 
     def member_energy(self, kernel: Kernel, step: Step) -> Array:
@@ -436,7 +456,15 @@ class Results(ModelRecord):
         stats = self.stats
         unknowns = int(np.count_nonzero(~self.constrained))
         lines = [f"{self.name or 'model'}: {len(self.rest)} nodes in {self.dim}D, {unknowns} unknowns"]
-        if self.steps:
+        if self.moves:
+            energies = self.energy
+            kinetic = energies["kinetic"]
+            lines.append(
+                f"{len(self.steps)} stored moments, time {self.time[0]:.6g} to {self.time[-1]:.6g}, load factor "
+                f"{self.lam[0]:.6g} to {self.lam[-1]:.6g}, kinetic energy at most {kinetic.max():.4g}, "
+                f"{kinetic[-1]:.4g} at the end; energy stored at the end {sum(energies.values())[-1] - kinetic[-1]:.4g}"
+            )
+        elif self.steps:
             stable = int(np.count_nonzero(self.stable))
             lines.append(
                 f"{len(self.steps)} stored steps, load factor {self.steps[0].lam:.6g} to {self.steps[-1].lam:.6g}, "

@@ -15,7 +15,7 @@ from kirigami.primitives.parts import ModelObject
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Step:
-    """One converged equilibrium.
+    """One converged equilibrium, or one moment of a motion.
 
     Attributes
     ----------
@@ -39,6 +39,14 @@ class Step:
         How often :meth:`Model.hold` had been called.
     stage_key : str
         Which model and stage it was, as :attr:`Model.stage_key` says; empty for steps that were read from a file.
+    time : float
+        Time [time]; nan for equilibria.
+    velocity : ndarray, shape (n, 3), or None
+        Velocities of the nodes [length / time] in a motion.
+    inner_velocity : ndarray, shape (h, 3)
+        The same of the rows that elements keep behind the nodes.
+    kinetic : float
+        Kinetic energy [force length].
 
     Examples
     --------
@@ -61,6 +69,10 @@ class Step:
     stage: int = 0
     inner: Array = field(default_factory=lambda: np.zeros((0, 3)))
     stage_key: str = ""
+    time: float = float("nan")
+    velocity: Array | None = None
+    inner_velocity: Array = field(default_factory=lambda: np.zeros((0, 3)))
+    kinetic: float = 0.0
 
     @property
     def stable(self) -> bool:
@@ -100,6 +112,8 @@ class Step:
         return replace(step, inner=inner, history=system.history)
 
     def __repr__(self) -> str:
+        if self.velocity is not None:
+            return f"Step(time={self.time:.6g}, lam={self.lam:.6g}, kinetic energy={self.kinetic:.3g})"
         state = {None: "stability not counted", 0: "stable"}.get(self.negative, f"{self.negative} negative eigenvalues")
         return f"Step(lam={self.lam:.6g}, {state}, residual={self.residual:.1e}, {self.iterations} iterations)"
 

@@ -30,7 +30,7 @@ def scatter_add(target: Array, conn: Index, values: Array) -> None:
 class BlockPlan:
     """Which node block each Hessian block of each kernel adds to."""
 
-    def __init__(self, kernels: list[Kernel], nodes: int) -> None:
+    def __init__(self, kernels: list[Kernel], nodes: int, more: Index | None = None) -> None:
         diagonal = np.arange(nodes)
         codes = [diagonal * nodes + diagonal]
         flips = []
@@ -41,8 +41,10 @@ class BlockPlan:
             first, second = kernel.conn.T[pairs[:, 0]].ravel(), kernel.conn.T[pairs[:, 1]].ravel()
             codes.append(np.minimum(first, second) * nodes + np.maximum(first, second))
             flips.append(first > second)
+        if more is not None:  # codes, lower number times nodes + higher number, of pairs that no kernel lists
+            codes.append(more)
         unique, inverse = np.unique(np.concatenate(codes), return_inverse=True)
-        self.count = len(unique)
+        self.codes, self.count = unique, len(unique)
         self.low, self.high = unique // nodes, unique % nodes
         self.nodes = nodes
         self.own = np.flatnonzero(self.low == self.high)  # the block of each node with itself
@@ -50,6 +52,12 @@ class BlockPlan:
         self.slots = [
             slots + flip * self.count for slots, flip in zip(np.split(inverse, sections)[1:], flips)
         ]
+
+    def find(self, low: Index, high: Index) -> Index | None:
+        """Blocks of node pairs, lower number first; None where some have none."""
+        codes = low * self.nodes + high
+        slots = np.minimum(np.searchsorted(self.codes, codes), self.count - 1)
+        return slots if np.array_equal(self.codes[slots], codes) else None
 
     def add(self, blocks: Array, kernel: Kernel, slots: Index, hessian: Array) -> None:
         """Add the Hessian of a kernel to node blocks (dim, dim, blocks)."""

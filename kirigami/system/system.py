@@ -337,6 +337,16 @@ class System(Unknowns):
                 self._blocks_plan = BlockPlan(self.kernels, len(self.rest))
         return self._blocks_plan
 
+    def plan_with(self, low: Index, high: Index) -> tuple[BlockPlan, Index]:
+        """The plan with blocks for node pairs as well, lower number first, and which blocks theirs are."""
+        slots = self.plan.find(low, high)
+        if slots is None:
+            self._blocks_plan = BlockPlan(self.kernels, len(self.rest), low * len(self.rest) + high)
+            self._pick_plan, self._links = None, None
+            slots = self._blocks_plan.find(low, high)
+            assert slots is not None
+        return self.plan, slots
+
     def largest_rotation(self, change: Array) -> float:
         """Largest relative displacement of two joined nodes over their distance, for a change (n, dim)."""
         plan = self.plan

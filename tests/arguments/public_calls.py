@@ -70,6 +70,12 @@ def truss(dim: int = 2) -> kg.Model:
     return m
 
 
+def heavy() -> kg.Model:
+    m = truss()
+    m.add(kg.Mass(m.nodes[1], 1.0))
+    return m
+
+
 @cache
 def slit_opened() -> Any:
     m = kg.Model.from_mesh(sheet().mesh(0.3), dim=2)
@@ -220,6 +226,7 @@ CALLS: dict[str, Callable[[], Call]] = {
     "Symmetry": lambda: (kg.Symmetry, {"nodes": nodes(2), "normal": "x"}),
     "Tie": lambda: (kg.Tie, {"followers": nodes(2), "leaders": kg.Node(2, 2), "dofs": "xyz", "x": 0.1}),
     "Tie.held": lambda: (kg.Tie(nodes(2), kg.Node(2, 2), x=0.1).held, {"lam": 0.5}),
+    "Mass": lambda: (kg.Mass, {"nodes": nodes(2), "mass": 1.0}),
     "NodalLoad": lambda: (kg.NodalLoad, {"nodes": nodes(2), "force": (0, 1)}),
     "NodalLoad.held": lambda: (kg.NodalLoad(nodes(2), (0, 1)).held, {"lam": 0.5}),
     "EdgeLoad": lambda: (kg.EdgeLoad, {"nodes": nodes(2), "force": (0, 1)}),
@@ -265,6 +272,15 @@ CALLS: dict[str, Callable[[], Call]] = {
     "LinearStatic.run": lambda: (kg.LinearStatic(truss()).run, {}),
     "Eigen": lambda: (lambda **given: kg.Eigen(**given).run(), {"model": truss(), "n": 1}),
     "Eigen.run": lambda: (kg.Eigen(truss(), n=1).run, {}),
+    "Dynamics": lambda: (lambda **given: kg.Dynamics(**given).run(), {
+        "model": heavy(), "end": 0.2, "step": 0.1, "damping": 0.1, "load": 1.0, "velocity": [[0, 0], [0, 1], [0, 0]],
+        "push": 0.01, "every": 1, "tol": 1e-8,
+    }),
+    "Dynamics.run": lambda: (kg.Dynamics(heavy(), end=0.2, step=0.1).run, {}),
+    "Mode.plot": lambda: (kg.Eigen(heavy(), n=1).run()[0].plot, {"amplitude": 0.1}),
+    "Mode.animate": lambda: (
+        kg.Eigen(heavy(), n=1).run()[0].animate, {"path": folder() / "mode.gif", "amplitude": 0.1, "frames": 2}
+    ),
     "Buckling": lambda: (lambda **given: kg.Buckling(**given).run(), {"model": column(), "n": 1}),
     "Buckling.run": lambda: (kg.Buckling(column(), n=1).run, {}),
     "LoadControl": lambda: (kg.LoadControl, {"model": truss()}),

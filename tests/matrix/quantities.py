@@ -101,6 +101,7 @@ NO_QUANTITY: dict[str, str] = {
         "for the package and for authors of effects; the quantities above are made of it",
     ),
     **dict.fromkeys(["model", "material", "bars", "grips"], "hands out what the run was made of"),
+    **dict.fromkeys(["time", "velocity", "moves"], "of a motion; tested in test_dynamics.py"),
     **dict.fromkeys(["residual", "summary"], "tells how the computation went, which differs in rounding"),
     **dict.fromkeys(["plot", "plot_curve", "plot_stress", "animate"], "pictures, tested in test_plot.py"),
     **dict.fromkeys(

@@ -12,6 +12,7 @@ import kirigami as kg
 
 SAME = Change()
 THICKNESS, E, NU, DENSITY = 0.05, 1e6, 0.3, 1.2
+LINE = 0.3  # mass per length of the bars of hand-built structures
 BOTTOM, TOP, SIDE = [0, 1, 2, 3], [12, 13, 14, 15], [4, 8]  # of the sheet below
 RUNGS = kg.stiffness.RUNGS
 
@@ -37,7 +38,8 @@ def sheet(rung: str, dim: int, change: Change, drive: float = 1.0) -> kg.Model:
     facets = new[facets][change.order(len(facets))]
     if change.mirrors:
         facets = facets[:, [0, 2, 1]]
-    material = kg.Material(E=E * change.force / change.length**2, nu=NU, density=DENSITY)
+    density = DENSITY * change.force / change.length**4  # of a mass that is a force over length per time squared
+    material = kg.Material(E=E * change.force / change.length**2, nu=NU, density=density)
     mesh = kg.TriMesh(change.places(points)[order][:, : 2 if change.flat else 3], facets)
     m = kg.Model.from_mesh(mesh, THICKNESS * change.length, material, rung, dim=dim)
     at = [m.nodes[k] for k in new]
@@ -74,13 +76,15 @@ def built(
             kind, *ends, stiffness = part
             i = [at[k] for k in ends]
             value = stiffness * size.get(kind, change.force)
+            line = LINE * change.force / change.length**2
             if kind == "bar":
-                m.add(kg.Bar(i[0], i[1], EA=value))
+                m.add(kg.Bar(i[0], i[1], EA=value, mass_per_length=line))
             elif kind == "cable":
-                m.add(kg.Bar(i[0], i[1], EA=value, law="cable"))
+                m.add(kg.Bar(i[0], i[1], EA=value, law="cable", mass_per_length=line))
             elif kind == "driven bar":
                 a, b = (change.places(old)[k] for k in ends)
-                m.add(kg.Bar(i[0], i[1], EA=value, target_length=(1 - 0.05 * drive) * float(np.linalg.norm(b - a))))
+                length = (1 - 0.05 * drive) * float(np.linalg.norm(b - a))
+                m.add(kg.Bar(i[0], i[1], EA=value, target_length=length, mass_per_length=line))
             elif kind == "ground":
                 m.add(kg.Spring(i[0], value))
             elif kind == "hinge":

@@ -214,6 +214,11 @@ def end_of_linear(structure: str, change: str) -> np.ndarray:
     return end_energy(kg.LinearStatic(STRUCTURES[structure](CHANGES.get(change, SAME))).run())
 
 
+def end_of_motion(structure: str, change: str) -> np.ndarray:
+    m = STRUCTURES[structure](CHANGES.get(change, SAME))
+    return end_energy(kg.Dynamics(m, end=0.1, step=0.05, load=[(0, 0), (1, 1)], tol=1e-10).run())
+
+
 def end_energy(run: kg.Results) -> np.ndarray:
     return np.array([sum(run.energy.values())[-1]])
 
@@ -225,6 +230,7 @@ ANALYSES: dict[str, tuple[Callable[[str, str], np.ndarray], int, int, frozenset[
     "Buckling": (buckling_factor, 0, 1, frozenset(SHEETS)),
     "LoadControl": (end_under_loads, 1, 1, frozenset(STRUCTURES)),
     "DisplacementControl": (end_of_drive, 1, 1, frozenset(STRUCTURES)),
+    "Dynamics": (end_of_motion, 1, 1, frozenset(STRUCTURES)),
     "ArcLength": (end_of_arc, 1, 1, frozenset(STRUCTURES)),
 }
 
@@ -258,6 +264,20 @@ def test_an_analysis_does_not_see_how_the_problem_is_stated(structure: str, anal
     if analysis == "Buckling":  # a factor of a force of 1 in each unit
         scale = how.force / how.force
     assert_same(after, scale * before, 1e-5)
+
+
+@pytest.mark.parametrize("mass", ["consistent", "lumped"])
+@pytest.mark.parametrize("structure", STRUCTURES)
+def test_frequencies_do_not_depend_on_how_the_problem_is_stated(structure: str, mass: str) -> None:
+    """In whatever unit of length and force, with the same one of time."""
+    found = {}
+    for change in ("", *CHANGES):
+        if not change or applies(structure, change):
+            m = STRUCTURES[structure](CHANGES.get(change, SAME))
+            found[change] = kg.Eigen(m, n=2, mass=mass).run().frequencies
+    for frequencies in found.values():
+        assert_same(frequencies, found[""], 1e-6)
+        assert frequencies[0] > 0
 
 
 @pytest.mark.parametrize("structure", STRUCTURES)

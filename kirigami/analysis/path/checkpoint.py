@@ -20,7 +20,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from kirigami.analysis.path.points import Attempt, Point, State
-from kirigami.analysis.path.settings import PathSettings
 from kirigami.errors import AnalysisError, KirigamiError, KirigamiWarning, ModelError
 from kirigami.linalg import SingularMatrixError
 from kirigami.model.model import Model
@@ -33,6 +32,7 @@ from kirigami.system.system import System
 
 if TYPE_CHECKING:
     from kirigami.analysis.path.walk import Walk
+    from kirigami.analysis.resumable import Remembering, Resumable
 
 VERSION = 2  # of what is remembered; checkpoints of another one are refused
 BUSY = 20  # a checkpoint waits until this many times the seconds that the last one took have passed
@@ -74,7 +74,7 @@ class Checkpoint:
             raise AnalysisError(f"{self.path} is no checkpoint, or it is damaged ({error!r})") from None
         return results, memory
 
-    def note(self, walk: Walk) -> None:
+    def note(self, walk: Remembering) -> None:
         """Remember where a walk stands and, where the last writing is long enough ago, write it."""
         walk.count_seconds()
         snapshot = copy.copy(walk.results)  # what the next step adds must not get into the file without its memory
@@ -116,7 +116,7 @@ class Checkpoint:
         self._next = ended + BUSY * (ended - started)
 
 
-def fingerprint(system: System, settings: PathSettings) -> str:
+def fingerprint(system: System, settings: Resumable) -> str:
     """A digest of a lowered model and of the settings of an analysis, but for where it ends by choice."""
     digest = hashlib.sha256()
     for name in ("rest", "unknown", "leader", "drive", "held"):

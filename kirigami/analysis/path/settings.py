@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-from typing import Any
-
-from kirigami.analysis.base import Analysis
 from kirigami.analysis.path.controls import Control, LoadFactorControl
 from kirigami.analysis.path.descent import CORRECTORS
 from kirigami.analysis.path.increments import Increments
 from kirigami.analysis.path.points import Point
+from kirigami.analysis.resumable import Resumable
 from kirigami.errors import ModelError
 from kirigami.model.model import Model
 from kirigami.primitives.checks import require_choice, require_positive, require_whole, shown
@@ -20,7 +18,7 @@ from kirigami.system.system import System
 ON_INSTABILITY = ("follow", "switch", "stop")
 
 
-class PathSettings(Analysis):
+class PathSettings(Resumable):
     """Settings of a path analysis; a run of it is a :class:`~kirigami.analysis.path.walk.Walk`."""
 
     max_steps = 100_000
@@ -55,11 +53,6 @@ class PathSettings(Analysis):
     def goes_downhill(self, control: Control) -> bool:
         """Whether unstable equilibria are left for stable ones at the same load factor."""
         return self.on_instability == "switch" and isinstance(control, LoadFactorControl)
-
-    def memorable(self) -> dict[str, Any]:
-        """What tells this analysis from another one of the same model; where it ends by choice does not."""
-        free = ("model", "results", "stop", "max_steps")
-        return {name: value for name, value in vars(self).items() if name not in free and name[0] != "_"}
 
     # What the three methods differ in.
 

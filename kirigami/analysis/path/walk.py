@@ -8,10 +8,8 @@ are negative there is stored with it.
 from __future__ import annotations
 
 import copy
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 from typing import Any
-
-import numpy as np
 
 from kirigami.analysis.path.branching import leave_along_mode, switch
 from kirigami.analysis.path.checkpoint import Checkpoint, resume
@@ -23,12 +21,11 @@ from kirigami.analysis.path.settings import PathSettings
 from kirigami.analysis.path.slow import SlowSteps
 from kirigami.analysis.path.stable import StableSteps
 from kirigami.analysis.path.steps import NewtonSteps, Steps
-from kirigami.errors import ConvergenceError, ModelError
+from kirigami.analysis.resumable import Recorder
+from kirigami.errors import ConvergenceError
 from kirigami.progress import ProgressBar
 from kirigami.results.results import Results
 from kirigami.results.step import Event, Step
-
-Recorder = Callable[[Step], None]
 
 # Where unstable equilibria are left; else increments are made by Newton's method.
 STEPS: dict[str, type[Steps]] = {"path": StableSteps, "slow": SlowSteps}
@@ -103,10 +100,9 @@ class Walk(PathRun):
     def _progress(self, point: Point) -> float | None:
         return self.increments.progress(self.control.value(point.state.q, point.state.lam))
 
-    def write_checkpoint(self) -> None:
-        """Write what the checkpoint, if there is one, has not written yet."""
-        if self.checkpoint is not None:
-            self.checkpoint.finish()
+    def where(self) -> str:
+        """How far it has come, in words."""
+        return f"load factor {self.results.steps[-1].lam if self.results.steps else 0.0:.6g}"
 
     def _begin_branch(self, origin: State) -> Point:
         """The first step on a branch of the bifurcation that the analysis starts from, which is stored as step 0."""
@@ -125,28 +121,8 @@ class Walk(PathRun):
 
     def _starting_state(self) -> State:
         """Where the walk starts: at rest, or at a given step."""
-        system, start = self.system, self.settings.start
-        lam, u = 0.0, np.zeros_like(system.rest)
-        if start is not None:
-            if start.u.shape[0] != system.points:
-                raise ModelError(f"start has {start.u.shape[0]} nodes, the model has {system.points}")
-            u = system.joined(start.u, start.inner)
-            if start.stage == system.model.stage:
-                lam = start.lam
-            else:
-                system.start_stage(u)
-            error = system.constraint_error(u, lam)
-            if error > 1e-6 * system.size:
-                raise ModelError(
-                    f"start does not satisfy the constraints at load factor {lam:.6g} (off by {error:.3g}): "
-                    "after changing supports call model.hold(step), which keeps what the earlier stage drove"
-                )
-            system.history = start.history
-        q = system.unknowns(u)
-        state = State(q, lam, system.displacement(q, lam))
-        if start is not None and not any(value is not None for value in start.history):
-            system.commit(state.u)
-        return state
+        q, lam = self.begin_at(self.settings.start)
+        return State(q, lam, self.system.displacement(q, lam))
 
     def _first_equilibrium(self, state: State) -> Point:
         """Equilibrium at the starting load factor, stored as step 0."""

@@ -1,0 +1,1 @@
+"""Motion in time: implicit steps that keep energy, and damped ones."""

@@ -1,0 +1,234 @@
+"""One run of a motion: where it begins, how long its steps are, what is stored."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from contextlib import suppress
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from kirigami.analysis.base import Run
+from kirigami.analysis.dynamics.motion import Moment, Motion, StepFailedError
+from kirigami.analysis.dynamics.schemes import SCHEMES, advance
+from kirigami.analysis.path.checkpoint import Checkpoint
+from kirigami.analysis.resumable import Recorder
+from kirigami.errors import ConvergenceError, MechanismError, ModelError
+from kirigami.linalg import SingularMatrixError, inverse_iteration
+from kirigami.progress import ProgressBar
+from kirigami.results.results import Results
+from kirigami.results.step import Step
+from kirigami.system.inertia import Inertia
+
+if TYPE_CHECKING:
+    from kirigami.analysis.dynamics.dynamics import Dynamics
+
+SHORTEST = 2.0**-14  # shortest time step, as a share of the longest
+WANTED = 0.35  # turn of a member to which steps are kept [rad]
+EASY = 12  # corrections up to which the next step may be longer
+GROWTH = 1.5  # by this factor
+
+
+class DynamicsRun(Run):
+    """A run that goes from moment to moment, and stores each, or some of them."""
+
+    def __init__(self, settings: Dynamics, recorders: Iterable[Recorder] = ()) -> None:
+        super().__init__(settings)
+        self.settings = settings
+        self.recorders = tuple(recorders)
+        self.checkpoint: Checkpoint | None = None
+        self.bar = ProgressBar(False, "")
+        self.inertia = Inertia(self.system, settings.mass)
+        self.motion = Motion(
+            self.system, self.inertia, self.factorize, settings.damping, settings.tol, self._count_correction
+        )
+        self.size = settings.step  # of the next time step
+        self.moment: Moment
+        self.first_energy = 0.0
+        self.largest_kinetic = 0.0
+        self.off = 0.0  # largest change of the total energy
+
+    def _count_correction(self) -> None:
+        self.results.stats["iterations"] += 1
+
+    def where(self) -> str:
+        """How far it has come, in words."""
+        return f"time {self.results.steps[-1].time if self.results.steps else 0.0:.6g}"
+
+    # ---- beginning
+
+    def follow(self, stored: tuple[Results, dict[str, Any]] | None) -> None:
+        """Go from the beginning, or from where a checkpoint left off, to the end."""
+        settings = self.settings
+        self.moment = self._first_moment()
+        if stored is None:
+            self._push()
+            self.first_energy = self.motion.kinetic(self.moment) + self.motion.potential(self.moment)
+            self._store(0, 0.0)
+        else:
+            self._resume(*stored)
+        self.bar.start(self._progress())
+        taken = 0
+        stops = [float(time) for time in settings.load.times if settings.begin < time < settings.end] + [settings.end]
+        for stop in stops:
+            while self.moment.time < stop:
+                corrections, residual = self._advance(stop)
+                taken += 1
+                if taken % settings.every == 0 or self.moment.time >= settings.end:
+                    self._store(corrections, residual)
+                    if self.checkpoint is not None:
+                        self.checkpoint.note(self)
+                self.bar.move(self._progress())
+
+    def _progress(self) -> float:
+        return (self.moment.time - self.settings.begin) / (self.settings.end - self.settings.begin)
+
+    def _first_moment(self) -> Moment:
+        """Where the settings say that the motion begins."""
+        settings, system = self.settings, self.system
+        q, held = self.begin_at(settings.start)
+        time = settings.begin
+        lam, lam_rate = settings.load.at(time), settings.load.rate(time, settings.step)
+        apart = float(np.abs(system.known(lam) - system.known(held)).max(initial=0.0))
+        if apart > 1e-9 * system.size:
+            raise ModelError(
+                f"Dynamics: supports would have to jump by {apart:.3g} at the beginning, since they stand where load "
+                f"factor {held:.6g} puts them and load gives {lam:.6g}: let load begin with {held:.6g}, as in "
+                f"load=[(0, {held:.6g}), (0.1, 1)]"
+            )
+        rate = np.zeros(system.free)
+        start = settings.start
+        if settings.velocity is not None:
+            full = np.zeros_like(system.rest)
+            full[: system.points] = settings.velocity[:, : system.dim]
+            rate = system.unknowns(full)
+            fits = self.motion.velocity(rate, lam, lam_rate)[: system.points]
+            off = np.abs(fits - full[: system.points]).max(axis=1)
+            worst = int(np.argmax(off))
+            if off[worst] > 1e-9 * float(np.abs(full).max(initial=0.0)):
+                raise ModelError(
+                    f"Dynamics: the velocity of node {worst} {system.model.nodes[worst]!r} is not what its supports "
+                    "and ties allow: leave it zero there"
+                )
+        elif start is not None and start.velocity is not None:
+            rate = system.unknowns(system.joined(start.velocity, start.inner_velocity))
+        moment = Moment(time, lam, lam_rate, q, rate)
+        self._check_equations(moment)
+        return moment
+
+    def _check_equations(self, moment: Moment) -> None:
+        """Raise a MechanismError where something has neither mass nor stiffness."""
+        u = self.motion.displacement(moment)
+        blocks = (2 / self.settings.step**2) * self.inertia.blocks + self.system.stiffness_blocks(u, moment.lam)
+        try:
+            self.factorize(self.system.matrix(blocks))
+        except SingularMatrixError:
+            raise MechanismError(
+                "Dynamics: some motion has neither mass nor stiffness: give its nodes a mass (kg.Mass), or fix them"
+            ) from None
+
+    def _push(self) -> None:
+        """Leave a located point along its mode, since nothing else may."""
+        settings, system = self.settings, self.system
+        if settings.mode is None or not settings.push:
+            return
+        u = self.motion.displacement(self.moment)
+        matrix = system.matrix(system.stiffness_blocks(u, self.moment.lam))
+        with suppress(SingularMatrixError):
+            _, mode = inverse_iteration(self.factorize(matrix), system.free, 30, 1e-6)
+            change = self.motion.velocity(mode, 0.0, 0.0)
+            side = np.sign(float((system.parted(change)[0] * settings.mode).sum())) or 1.0
+            self.moment.q = self.moment.q + (side * settings.push / system.largest_rotation(change)) * mode
+
+    # ---- going on
+
+    def _advance(self, stop: float) -> tuple[int, float]:
+        """One accepted time step; the corrections it took and its residual."""
+        settings, system, start = self.settings, self.system, self.moment
+        while True:
+            left = stop - start.time
+            count = max(int(np.ceil(left / self.size - 1e-9)), 1)
+            step = left / count
+            time = stop if count == 1 else start.time + step
+            lam, rate = settings.load.at(time), settings.load.rate(time, settings.step)
+            try:
+                share = SCHEMES[settings.scheme]
+                moment, corrections, residual = advance(self.motion, start, step, lam, rate, share)
+                break
+            except StepFailedError as failure:
+                self.results.stats["cutbacks"] += 1
+                if not settings.adaptive or 0.5 * step < SHORTEST * settings.step:
+                    raise self._failure(step, str(failure)) from None
+                self.size = 0.5 * step
+        moment.time = time
+        u = self.motion.displacement(moment)
+        turn = system.largest_rotation(u - self.motion.displacement(start))
+        system.commit(u)
+        if settings.adaptive:
+            longer = GROWTH if corrections <= EASY else 1.0
+            self.size = min(max(self.size, step) * min(longer, WANTED / max(turn, 1e-12)), settings.step)
+        self.moment = moment
+        kinetic = self.motion.kinetic(moment)
+        self.largest_kinetic = max(self.largest_kinetic, kinetic)
+        if settings.scheme == "conserving" and not any(settings.damping) and lam == settings.load.at(settings.begin):
+            self.off = max(self.off, abs(kinetic + self.motion.potential(moment) - self.first_energy))
+            self.results.stats["energy_drift"] = self.off / (self.largest_kinetic or 1.0)
+        return corrections, residual
+
+    def _failure(self, step: float, reason: str) -> ConvergenceError:
+        hint = "a smaller step" if not self.settings.adaptive else "scheme='damped', or some damping"
+        return ConvergenceError(
+            f"Dynamics: no time step of {step:.3g} was found after time {self.moment.time:.6g}: {reason}",
+            results=self.results,
+            hint=f"{hint} may help; the results so far are in error.results",
+        )
+
+    def _store(self, corrections: int, residual: float) -> None:
+        system, moment = self.system, self.moment
+        velocity = self.motion.velocity(moment.rate, moment.lam, moment.lam_rate)
+        nodal, inner = system.parted(self.motion.displacement(moment))
+        nodal_velocity, inner_velocity = system.parted(velocity)
+        kinetic = self.inertia.energy(velocity)
+        if not (np.isfinite(nodal).all() and np.isfinite(kinetic)):
+            raise self._failure(self.size, "the motion is not finite")
+        step = Step(
+            lam=float(moment.lam),
+            u=nodal,
+            inner=inner,
+            residual=residual,
+            iterations=corrections,
+            history=system.history,
+            stage=system.model.stage,
+            stage_key=system.model.stage_key,
+            time=float(moment.time),
+            velocity=nodal_velocity,
+            inner_velocity=inner_velocity,
+            kinetic=kinetic,
+        )
+        self.results.append(step)
+        for recorder in self.recorders:
+            recorder(step)
+
+    # ---- checkpoints
+
+    @property
+    def memory(self) -> dict[str, Any]:
+        """What must be stored to go on later as if nothing had been."""
+        names = ("size", "first_energy", "largest_kinetic", "off")
+        own = {f"moment.{name}": value for name, value in vars(self.moment).items()}
+        return {name: getattr(self, name) for name in names} | own
+
+    def _resume(self, stored: Results, memory: dict[str, Any]) -> None:
+        """Go back to where a checkpoint was written."""
+        for name, value in memory.items():
+            if name.startswith("moment."):
+                setattr(self.moment, name.removeprefix("moment."), value)
+            else:
+                setattr(self, name, value)
+        for step in stored.steps:
+            self.results.append(step)
+        self.results.events.extend(stored.events)
+        self.system.history = self.results[-1].history
+        self.results.stats = stored.stats
+        self.take_seconds(stored.stats["seconds"])
+
