@@ -72,7 +72,13 @@ class Dynamics(Resumable):
     Raises
     ------
     ModelError
-        No mass, a start of another model, supports that would have to jump, values out of range.
+        Values out of range; in a run no mass, a start of another model, supports that would have to jump.
+
+    Notes
+    -----
+    A reaction is what members and loads leave to the support: the inertia of the nodes it drives comes on top. On parts
+    that nothing holds linear and angular momentum are kept too, at the cost of an error of energy that falls with the
+    fourth power of the step: 1e-5 of it where a step turns the part by 0.005 rad, 2e-3 at 0.02 rad.
 
     Examples
     --------

@@ -37,7 +37,7 @@ class History:
         self._owner = owner
         if callable(given):
             self._function = given
-        elif np.ndim(given) == 0:  # type: ignore[arg-type]
+        elif isinstance(given, (int, float, np.number)):
             self._constant = require_finite(given, "load", owner)
         else:
             table = require_array(given, (None, 2), name="load", owner=owner)

@@ -10,7 +10,8 @@ import numpy as np
 
 from kirigami.analysis.base import Run
 from kirigami.analysis.dynamics.motion import Moment, Motion, StepFailedError
-from kirigami.analysis.dynamics.schemes import SCHEMES, advance
+from kirigami.analysis.dynamics.schemes import SCHEMES
+from kirigami.analysis.dynamics.steps import TimeSteps
 from kirigami.analysis.path.checkpoint import Checkpoint
 from kirigami.analysis.resumable import Recorder
 from kirigami.errors import ConvergenceError, MechanismError, ModelError
@@ -22,11 +23,6 @@ from kirigami.system.inertia import Inertia
 
 if TYPE_CHECKING:
     from kirigami.analysis.dynamics.dynamics import Dynamics
-
-SHORTEST = 2.0**-14  # shortest time step, as a share of the longest
-WANTED = 0.35  # turn of a member to which steps are kept [rad]
-EASY = 12  # corrections up to which the next step may be longer
-GROWTH = 1.5  # by this factor
 
 
 class DynamicsRun(Run):
@@ -42,7 +38,9 @@ class DynamicsRun(Run):
         self.motion = Motion(
             self.system, self.inertia, self.factorize, settings.damping, settings.tol, self._count_correction
         )
-        self.size = settings.step  # of the next time step
+        self.steps = TimeSteps(
+            self.motion, SCHEMES[settings.scheme], settings.step, self._load, settings.adaptive, self._count_cut
+        )
         self.moment: Moment
         self.first_energy = 0.0
         self.largest_kinetic = 0.0
@@ -50,6 +48,12 @@ class DynamicsRun(Run):
 
     def _count_correction(self) -> None:
         self.results.stats["iterations"] += 1
+
+    def _count_cut(self) -> None:
+        self.results.stats["cutbacks"] += 1
+
+    def _load(self, time: float) -> tuple[float, float]:
+        return self.settings.load.at(time), self.settings.load.rate(time, self.settings.step)
 
     def where(self) -> str:
         """How far it has come, in words."""
@@ -88,7 +92,7 @@ class DynamicsRun(Run):
         settings, system = self.settings, self.system
         q, held = self.begin_at(settings.start)
         time = settings.begin
-        lam, lam_rate = settings.load.at(time), settings.load.rate(time, settings.step)
+        lam, lam_rate = self._load(time)
         apart = float(np.abs(system.known(lam) - system.known(held)).max(initial=0.0))
         if apart > 1e-9 * system.size:
             raise ModelError(
@@ -144,41 +148,23 @@ class DynamicsRun(Run):
 
     def _advance(self, stop: float) -> tuple[int, float]:
         """One accepted time step; the corrections it took and its residual."""
-        settings, system, start = self.settings, self.system, self.moment
-        while True:
-            left = stop - start.time
-            count = max(int(np.ceil(left / self.size - 1e-9)), 1)
-            step = left / count
-            time = stop if count == 1 else start.time + step
-            lam, rate = settings.load.at(time), settings.load.rate(time, settings.step)
-            try:
-                share = SCHEMES[settings.scheme]
-                moment, corrections, residual = advance(self.motion, start, step, lam, rate, share)
-                break
-            except StepFailedError as failure:
-                self.results.stats["cutbacks"] += 1
-                if not settings.adaptive or 0.5 * step < SHORTEST * settings.step:
-                    raise self._failure(step, str(failure)) from None
-                self.size = 0.5 * step
-        moment.time = time
-        u = self.motion.displacement(moment)
-        turn = system.largest_rotation(u - self.motion.displacement(start))
-        system.commit(u)
-        if settings.adaptive:
-            longer = GROWTH if corrections <= EASY else 1.0
-            self.size = min(max(self.size, step) * min(longer, WANTED / max(turn, 1e-12)), settings.step)
-        self.moment = moment
-        kinetic = self.motion.kinetic(moment)
+        settings = self.settings
+        try:
+            self.moment, corrections, residual = self.steps.advance(self.moment, stop)
+        except StepFailedError as failure:
+            raise self._failure(str(failure)) from None
+        kinetic = self.motion.kinetic(self.moment)
         self.largest_kinetic = max(self.largest_kinetic, kinetic)
-        if settings.scheme == "conserving" and not any(settings.damping) and lam == settings.load.at(settings.begin):
-            self.off = max(self.off, abs(kinetic + self.motion.potential(moment) - self.first_energy))
+        loses = settings.scheme != "conserving" or any(settings.damping)
+        if not loses and self.moment.lam == settings.load.at(settings.begin):
+            self.off = max(self.off, abs(kinetic + self.motion.potential(self.moment) - self.first_energy))
             self.results.stats["energy_drift"] = self.off / (self.largest_kinetic or 1.0)
         return corrections, residual
 
-    def _failure(self, step: float, reason: str) -> ConvergenceError:
+    def _failure(self, reason: str) -> ConvergenceError:
         hint = "a smaller step" if not self.settings.adaptive else "scheme='damped', or some damping"
         return ConvergenceError(
-            f"Dynamics: no time step of {step:.3g} was found after time {self.moment.time:.6g}: {reason}",
+            f"Dynamics: {reason}",
             results=self.results,
             hint=f"{hint} may help; the results so far are in error.results",
         )
@@ -190,7 +176,7 @@ class DynamicsRun(Run):
         nodal_velocity, inner_velocity = system.parted(velocity)
         kinetic = self.inertia.energy(velocity)
         if not (np.isfinite(nodal).all() and np.isfinite(kinetic)):
-            raise self._failure(self.size, "the motion is not finite")
+            raise self._failure(f"the motion is not finite at time {self.moment.time:.6g}")
         step = Step(
             lam=float(moment.lam),
             u=nodal,
@@ -214,15 +200,17 @@ class DynamicsRun(Run):
     @property
     def memory(self) -> dict[str, Any]:
         """What must be stored to go on later as if nothing had been."""
-        names = ("size", "first_energy", "largest_kinetic", "off")
+        names = ("first_energy", "largest_kinetic", "off")
         own = {f"moment.{name}": value for name, value in vars(self.moment).items()}
-        return {name: getattr(self, name) for name in names} | own
+        return {name: getattr(self, name) for name in names} | own | {"steps.size": self.steps.size}
 
     def _resume(self, stored: Results, memory: dict[str, Any]) -> None:
         """Go back to where a checkpoint was written."""
         for name, value in memory.items():
             if name.startswith("moment."):
                 setattr(self.moment, name.removeprefix("moment."), value)
+            elif name == "steps.size":
+                self.steps.size = value
             else:
                 setattr(self, name, value)
         for step in stored.steps:
