@@ -14,7 +14,7 @@ from kirigami import units
 from kirigami.errors import ModelError
 
 READING = ("drawn_in", "outline", "cuts", "folds", "ignore", "tolerance", "part", "frame")
-LARGEST = {"length": 1e9, "stress": 1e18, "density": 1e9, "ratio": 1e6}  # SI; beyond, it is a slip for sure
+LARGEST = {"length": 1e9, "stress": 1e18, "force": 1e12, "density": 1e9, "ratio": 1e6}  # SI; beyond, it is a slip
 WORDS = {"allow_parts=True": "--part 1"}  # what Python calls otherwise
 
 
@@ -66,7 +66,7 @@ def in_words_of_the_command(text: str) -> str:
         name = f"--{match[1].replace('_', '-')}"
         return f"{name} {shlex.quote(value)}" if match[2] else name
 
-    names = "|".join((*READING, "allow_parts", "max_edge", "grip", "thickness"))
+    names = "|".join((*READING, "allow_parts", "max_edge", "grip", "thickness", "fold_stiffness", "fold_angle", "kerf"))
     return re.sub(rf"`({names})(?:=([^`]*))?`", option, text)
 
 

@@ -45,6 +45,7 @@ examples:
   kirigami stretch plate.dxf --thickness 0.1mm --E 3.5GPa --nodes 1000 --json | jq .largest_force
   kirigami stretch plate.dxf --thickness 0.1mm --E 3.5GPa --strain=-2% --direction 30 --cycle
   kirigami stretch plate.dxf --thickness 0.1mm --E 3.5GPa --strain 5% --twist 90
+  kirigami stretch miura.fold --thickness 0.2mm --E 3GPa --fold-angle 40 --strain 10% --direction x
   kirigami stretch spiral.svg --thickness 0.3mm --E 2GPa --hold rim --lift centre 40mm
   kirigami stretch plate-stretched/case.json --nodes 3000 --compare measured.csv
 
@@ -52,7 +53,7 @@ Ends with 0 where the whole way was gone, 1 where the path ended early (what was
 written) or nothing could be done, 2 for wrong usage, 130 when interrupted (what was found is
 written)."""
 
-SHEET = "thickness", "E", "nu"
+SHEET = "thickness", "E", "nu", "fold_stiffness", "fold_angle"
 COMPUTATION = "accuracy", "nodes", "max_edge", "stiffness", "imperfection", "seed", "shapes"
 
 
@@ -68,6 +69,18 @@ def add(commands: Any) -> None:
     sheet.add_argument("--thickness", type=positive, metavar="LENGTH", help="thickness of the sheet (needed)")
     sheet.add_argument("--E", type=stress, metavar="STRESS", help="Young's modulus (needed)")
     sheet.add_argument("--nu", type=float, metavar="RATIO", help="Poisson's ratio (default: 0.34)")
+    sheet.add_argument(
+        "--fold-stiffness",
+        type=quantity("force", "not negative"),
+        metavar="FORCE",
+        help="moment of the folds per length and radian, such as 20mN; 0 is a free hinge (default: a light score's)",
+    )
+    sheet.add_argument(
+        "--fold-angle",
+        type=_fold_angle,
+        metavar="DEGREES",
+        help="angle at which the folds rest, valleys up and mountains down; the sheet folds first (default: flat)",
+    )
     pull = parser.add_argument_group("what is done")
     pull.add_argument(
         "--strain",
@@ -156,7 +169,7 @@ def run(options: argparse.Namespace) -> int:
     made = not folder.exists()
     folder.mkdir(parents=True, exist_ok=True)  # before the work, which would be in vain without it
     try:
-        report = job.run(progress=not options.quiet, say=lambda note: say(f"  {note}"))
+        report = job.run(progress=not options.quiet, say=lambda note: say(f"  {in_words_of_the_command(note)}"))
     except (KirigamiError, OSError, KeyboardInterrupt):
         if made:
             with suppress(OSError):
@@ -222,6 +235,13 @@ def _degrees(text: str) -> float:
         angle = math.nan
     if not math.isfinite(angle) or abs(angle) > 36000:
         raise argparse.ArgumentTypeError(f"{text!r} is no angle in degrees of at most 100 turns")
+    return angle
+
+
+def _fold_angle(text: str) -> float:
+    angle = _degrees(text)
+    if not -180 < angle < 180:
+        raise argparse.ArgumentTypeError(f"{text!r}: a fold rests at an angle between -180 and 180 degrees, 0 flat")
     return angle
 
 

@@ -123,7 +123,7 @@ class Crease(ModelObject):
         wanted = np.where(np.isnan(wanted), angle, wanted)
         targets = targets_of(objects, "target_angle")
         targets = None if targets is None else targets[:, owner]
-        return [CreaseKernel(numbering.rest, conn, stiffness, wanted, angle, length, owner, targets)]
+        return [CreaseKernel(numbering.rest, conn, stiffness, wanted, angle, length, owner, targets, pairs)]
 
 
 def _angle(value: float | None, name: str) -> float | None:
@@ -186,14 +186,15 @@ class CreaseKernel(Kernel):
         length: Array,
         members: NDArray[np.int64] | None = None,
         targets: Array | None = None,
+        places: NDArray[np.int64] | None = None,
     ) -> None:
-        self.rest, self.conn, self.members = rest, conn, members
+        self.rest, self.conn, self.members, self.places = rest, conn, members, places
         self.stiffness, self.initial, self.length = stiffness, initial, length
         self.rest_angle, self.drive = driven(rest_angle, targets)
         self.scaled = self.drive is not None
 
     def arrays(self) -> dict[str, Any]:
-        names = ("conn", "stiffness", "rest_angle", "initial", "length", "members")
+        names = ("conn", "stiffness", "rest_angle", "initial", "length", "members", "places")
         own = {name: getattr(self, name) for name in names}
         return own if self.drive is None else {**own, "targets": untouched(self.rest_angle, self.drive)}
 

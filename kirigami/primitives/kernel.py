@@ -126,6 +126,8 @@ class Kernel:
         Key under which energy, forces and seconds are reported, for example ``"bars"``.
     conn : ndarray of int, shape (n, k)
         Node indices of each member.
+    places : ndarray of int, shape (n, p), or None
+        Nodes at which each member lies, where the rows it works on are not those of nodes.
     members : ndarray of int, shape (n,), or None
         Position of each member among the model's objects of its type.
     pairs : tuple of (int, int), or None
@@ -170,6 +172,7 @@ class Kernel:
 
     name: ClassVar[str] = "kernel"
     conn: NDArray[np.int64]
+    places: NDArray[np.int64] | None = None
     members: NDArray[np.int64] | None = None
     pairs: tuple[tuple[int, int], ...] | None = None
     stores_energy: bool = True

@@ -79,7 +79,9 @@ def nodal_energy(results: Results, step: int | None = None) -> Array:
     for kernel in results.kernels:
         if not kernel.stores_energy or not len(kernel.conn):
             continue
-        nodes = kernel.conn[:, (kernel.conn < len(results.rest)).all(axis=0)]  # rows behind the nodes have no place
+        nodes = kernel.places
+        if nodes is None:  # of its rows, those behind the nodes have no place
+            nodes = kernel.conn[:, (kernel.conn < len(results.rest)).all(axis=0)]
         for row, one in zip(total, chosen):
             np.add.at(row, nodes, results.member_energy(kernel, one)[:, None] / nodes.shape[1])
     return total if step is None else total[0]

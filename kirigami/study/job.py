@@ -14,11 +14,13 @@ from kirigami.elements.stiffness import Calibration, rung_named
 from kirigami.errors import ModelError
 from kirigami.files import read_json, whole_file
 from kirigami.primitives.checks import (
+    require_between,
     require_boolean,
     require_choice,
     require_finite,
     require_instance,
     require_mapping,
+    require_not_negative,
     require_path,
     require_whole,
     shown,
@@ -32,7 +34,7 @@ if TYPE_CHECKING:
 
 KIND = "kirigami case"
 PARTS = {
-    "sheet": ("thickness", "E", "nu"),
+    "sheet": ("thickness", "E", "nu", "fold_stiffness", "fold_angle"),
     "computation": ("accuracy", "nodes", "max_edge", "stiffness", "imperfection", "seed", "shapes"),
 }
 
@@ -59,6 +61,10 @@ class Job:
         Longest edge of the mesh and height of the stress-free imperfection [m].
     reading : dict
         Options of the reader of the drawing.
+    fold_stiffness : float or str, optional
+        Moment per angle and length of the folds of the drawing [N / rad]; None takes that of :class:`kirigami.Fold`.
+    fold_angle : float
+        Angle at which they rest [degrees]; see :meth:`kirigami.drawing.drawing.Drawing.sheet`.
 
     Examples
     --------
@@ -84,6 +90,8 @@ class Job:
     seed: int = 0
     shapes: bool = False
     reading: dict[str, Any] = field(default_factory=dict)
+    fold_stiffness: float | str | None = None
+    fold_angle: float = 0.0
 
     def __post_init__(self) -> None:
         if not hasattr(self.drawing, "outline"):
@@ -97,6 +105,9 @@ class Job:
             value = getattr(self, name)
             if value is not None or name in ("thickness", "E"):
                 units.parse(value, "stress" if name == "E" else "length")
+        if self.fold_stiffness is not None:
+            require_not_negative(units.parse(self.fold_stiffness, "force"), "fold_stiffness", "Job")
+        require_between(self.fold_angle, -180.0, 180.0, "fold_angle", "Job")
         require_finite(self.nu, "nu", "Job")
         if self.nodes is not None:
             require_whole(self.nodes, "nodes", "Job", least=1)

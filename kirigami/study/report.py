@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 import os
 import warnings
 from collections.abc import Callable
@@ -16,6 +17,7 @@ import numpy as np
 from kirigami import units
 from kirigami.drawing.convert import read_drawing
 from kirigami.drawing.roles import listed
+from kirigami.elements.crease import SCORE
 from kirigami.elements.stiffness import Calibration
 from kirigami.errors import ConvergenceError, KirigamiError, KirigamiWarning
 from kirigami.files import whole_file
@@ -34,6 +36,7 @@ from kirigami.study.stretch import stretch
 
 if TYPE_CHECKING:
     from kirigami.drawing.drawing import Drawing
+    from kirigami.geometry.sheet import Sheet
 
 
 FOIL = 1e-5  # thickness over size below which the unit in a drawing's head cannot be meant
@@ -202,6 +205,8 @@ def stretch_drawing(
     seed: int = 0,
     shapes: bool = False,
     case: LoadCase | None = None,
+    fold_stiffness: float | str | None = None,
+    fold_angle: float = 0.0,
     progress: bool = False,
     say: Callable[[str], None] = lambda note: None,
     **reading: Any,
@@ -231,6 +236,10 @@ def stretch_drawing(
         Height of the stress-free imperfection [m]; None takes the one of :func:`kirigami.stretch`.
     case : LoadCase, optional
         Everything that is done to the sheet, in the place of strain, direction, cycle and grip; lengths in metres.
+    fold_stiffness : float or str, optional
+        Moment per angle and length of the folds [N / rad]; None takes that of :class:`kirigami.Fold`.
+    fold_angle : float
+        Angle at which the folds rest [degrees]; see :meth:`kirigami.drawing.drawing.Drawing.sheet`.
     say : callable
         Called with each note as soon as it is known, so that a slip shows before the path is followed.
     **reading
@@ -264,7 +273,8 @@ def stretch_drawing(
     if case is None:
         case = LoadCase(units.parse(strain, "ratio"), direction, _length(grip), cycle=cycle)
     job = Job(
-        drawing, thickness, E, nu, case, accuracy, nodes, max_edge, stiffness, imperfection, seed, shapes, reading
+        drawing, thickness, E, nu, case, accuracy, nodes, max_edge, stiffness, imperfection, seed, shapes, reading,
+        fold_stiffness, fold_angle,
     )  # fmt: skip
     return run_job(job, progress, say)
 
@@ -283,18 +293,17 @@ def run_job(job: Job, progress: bool, say: Callable[[str], None]) -> Report:
     else:
         name, drawn = "sheet", job.drawing
     case = job.case.in_drawing(drawn.layers) if any(where.kind == "layer" for where in job.case.places) else job.case
-    sheet = drawn.sheet(thick, Material(E=modulus, nu=job.nu))
+    stiffness = None if job.fold_stiffness is None else units.parse(job.fold_stiffness, "force")
+    angle = math.radians(job.fold_angle)
+    sheet = drawn.sheet(thick, Material(E=modulus, nu=job.nu), fold_stiffness=stiffness, fold_angle=angle)
     setting = set_up(case, sheet)
     grips, drive = setting.grips, setting.drives[0]
     for doubt in units.doubts(thickness=thick, size=max(_size(sheet.bounds)), E=modulus, strain=case.strain):
         warnings.warn(doubt, KirigamiWarning, stacklevel=2)
     for words in drawn.notes:
         note(words)
-    if drawn.folds:
-        number = f"{len(drawn.folds)} fold{'s' if len(drawn.folds) > 1 else ''}"
-        words = f"{number} of the drawing left out of the model: the sheet is stretched as if it were not creased"
-        warnings.warn(words, KirigamiWarning, stacklevel=2)
-        notes.append(words)
+    if sheet.folds:
+        note(_folds_in_words(sheet, thick, modulus, job.nu))
     note(f"thickness {units.show(thick, 'length')}, E {units.show(modulus, 'stress')}, nu {job.nu:g}")
     back = " and back" if case.cycle else ""
     for drive in setting.drives:
@@ -321,6 +330,22 @@ def run_job(job: Job, progress: bool, say: Callable[[str], None]) -> Report:
     for event in results.events:
         note(str(event))
     return Report(results, job, tuple(notes), None if grips is None else grips.free_length)
+
+
+def _folds_in_words(sheet: Sheet, thickness: float, modulus: float, nu: float) -> str:
+    """How the folds of a sheet are taken."""
+    count = len(sheet.folds)
+    valleys, mountains = (sum(side * fold.angle > 0 for fold in sheet.folds) for side in (1, -1))
+    rest = "at rest flat"
+    if valleys or mountains:
+        largest = math.degrees(max(abs(fold.angle) for fold in sheet.folds))
+        rest = f"at rest folded by up to {largest:.4g} degrees, {valleys} as valleys and {mountains} as mountains"
+    words = f"{count} fold{'s' if count > 1 else ''} as elastic hinge{'s' if count > 1 else ''}, {rest}; "
+    given = sheet.folds[0].stiffness
+    if given is None:
+        usual = units.show(modulus * thickness**2 / (12 * (1 - nu**2) * SCORE), "force")
+        return f"{words}moment per length {usual} per radian, that of a light score; `fold_stiffness` says another"
+    return f"{words}moment per length {units.show(given, 'force')} per radian"
 
 
 def _with_marks(job: Job) -> dict[str, Any]:

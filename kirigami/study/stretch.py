@@ -29,6 +29,7 @@ from kirigami.primitives.material import SheetMaterial, uniaxial_stiffness
 from kirigami.primitives.node import Node
 from kirigami.results.drives import Drive
 from kirigami.results.results import Results
+from kirigami.study.folding import fold
 from kirigami.study.grips import find_grips
 from kirigami.study.load_case import STRAIN, LoadCase
 from kirigami.study.setting import set_up
@@ -77,6 +78,9 @@ def stretch(
 
     The grips clamp the two ends of the sheet along the direction: its edges there where they are straight, else strips
     of 4 % of its length. They keep their shape, and one of them moves by strain times the free length between them.
+
+    Folds of the sheet are elastic hinges. Where they do not rest flat, the sheet first folds, while the grip that will
+    be moved slides and bears no force; what is done counts from there, strains over the free length of the flat sheet.
 
     Parameters
     ----------
@@ -165,13 +169,20 @@ def stretch(
     model = Model.from_mesh(mesh, stiffness=level.stiffness if stiffness is None else stiffness)
     chosen = setting.hold(model)
     model.imperfect(amplitude, seed=seed)
+    start = None
+    if any(line.angle for line in mesh.folds):
+        start, shift = fold(model, chosen.get("moved", []), level.tol)
+        if setting.grips is not None:
+            left = 1 + float(shift[:2] @ setting.grips.direction) / setting.grips.free_length
+            say(f"folded: the grips are {100 * left:.4g} % of the free length of the flat sheet apart")
 
     def named(results: Results) -> Results:
         results.grip_nodes = {name: model.index(nodes) for name, nodes in chosen.items()}
         results.drives = setting.drives
         return results
 
-    analysis = DisplacementControl(model, targets=stored(case), to=0.0 if case.cycle else 1.0, tol=level.tol)
+    end = 0.0 if case.cycle else 1.0
+    analysis = DisplacementControl(model, targets=stored(case), to=end, tol=level.tol, start=start)
     try:
         results = named(analysis.run(progress=progress))
     except ConvergenceError as error:

@@ -11,6 +11,7 @@ import pytest
 import shapely
 
 import kirigami as kg
+from kirigami.results.fields import nodal_energy
 
 RUNGS = ["plate", "paper", "facet", "shell"]
 STIFF = kg.Material(E=1e9, nu=0.3)
@@ -149,3 +150,15 @@ def test_miura_unit_has_one_way_to_move(stiffness: str) -> None:
         assert (length, height, width, shift) == pytest.approx(miura(theta), rel=2e-3)
         widths.append(width)
     assert widths[0] > widths[1] > miura(0.7)[2]
+
+
+@pytest.mark.filterwarnings("ignore::kirigami.KirigamiWarning")
+@pytest.mark.parametrize("stiffness", RUNGS)
+def test_energy_of_folds_has_its_place_at_their_nodes(stiffness: str) -> None:
+    """Shares of the nodes add up to what is stored, and what folds store lies on them."""
+    m, end = two_panels(stiffness, stiffness=SOFT)
+    m.add(kg.Prescribe(end, z=math.sin(1.0)), kg.Fix(end, "y"))
+    res = kg.DisplacementControl(m, targets=[1.0]).run()
+    shares = nodal_energy(res, -1)
+    assert shares.sum() == pytest.approx(np.sum(list(res.energy.values()), axis=0)[-1])
+    assert shares[np.abs(m.mesh.nodes[:, 0] - 1) < 1e-9].sum() > 0.4 * shares.sum()
