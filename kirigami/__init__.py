@@ -35,6 +35,7 @@ _HOME = {
     "NodalLoad": "model.loads",
     "EdgeLoad": "model.spread_loads",
     "AreaLoad": "model.spread_loads",
+    "EdgeMoment": "model.edge_moment",
     "Gravity": "model.spread_loads",
     "Mass": "elements.mass",
     "Calibration": "elements.stiffness",
@@ -144,6 +145,7 @@ if TYPE_CHECKING:
     from kirigami.model.constraints import Prescribe as Prescribe
     from kirigami.model.constraints import Symmetry as Symmetry
     from kirigami.model.constraints import Tie as Tie
+    from kirigami.model.edge_moment import EdgeMoment as EdgeMoment
     from kirigami.model.loads import NodalLoad as NodalLoad
     from kirigami.model.model import Model as Model
     from kirigami.model.spread_loads import AreaLoad as AreaLoad

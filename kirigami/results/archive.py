@@ -36,6 +36,7 @@ KERNELS = {
     "ContactKernel": "effects.contact",
     "CreaseKernel": "elements.crease",
     "CurvedFacetKernel": "elements.curved_facet",
+    "EdgeMomentKernel": "model.edge_moment",
     "FacetKernel": "elements.facet",
     "MassKernel": "elements.mass",
     "NodalLoadKernel": "model.loads",

@@ -231,6 +231,8 @@ CALLS: dict[str, Callable[[], Call]] = {
     "NodalLoad.held": lambda: (kg.NodalLoad(nodes(2), (0, 1)).held, {"lam": 0.5}),
     "EdgeLoad": lambda: (kg.EdgeLoad, {"nodes": nodes(2), "force": (0, 1)}),
     "EdgeLoad.held": lambda: (kg.EdgeLoad(nodes(2), (0, 1)).held, {"lam": 0.5}),
+    "EdgeMoment": lambda: (kg.EdgeMoment, {"nodes": nodes(2), "moment": 1.0}),
+    "EdgeMoment.held": lambda: (kg.EdgeMoment(nodes(2), 1.0).held, {"lam": 0.5}),
     "AreaLoad": lambda: (kg.AreaLoad, {"force": (0, 1)}),
     "AreaLoad.held": lambda: (kg.AreaLoad((0, 1)).held, {"lam": 0.5}),
     "Gravity": lambda: (kg.Gravity, {"g": (0, -9.81)}),

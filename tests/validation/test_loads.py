@@ -159,3 +159,36 @@ def test_shell_codes_take_spread_loads_at_the_nodes(tmp_path):
     rows = text[text.index("*CLOAD") :].splitlines()[1:]
     total = sum(float(row.split(",")[2]) for row in rows[: next(k for k, row in enumerate(rows) if row[0] == "*")])
     assert total == pytest.approx(2.0 * 1.0 + 0.5 * 2.0, rel=1e-9)
+
+
+@pytest.mark.parametrize("pattern", PATTERNS)
+def test_opposite_moments_at_all_edges_bend_a_plate_to_a_cap(pattern):
+    """Under M on its whole rim a plate takes the curvature M / (D (1 + nu)) both ways, exactly."""
+    model = kg.Model.from_mesh(rectangle(pattern, 1, 1, 3), 0.01, STEEL, stiffness="shell")
+    x, y, _ = model.positions().T
+    rim = [model.nodes[k] for k in np.flatnonzero((x < 1e-9) | (x > 1 - 1e-9) | (y < 1e-9) | (y > 1 - 1e-9))]
+    model.add(kg.EdgeMoment(rim, 0.5), kg.EdgeMoment(rim, 0.25, constant=True))
+    corners = [model.nodes[int(np.argmin(np.hypot(x - a, y - b)))] for a, b in ((0, 0), (1, 0), (0, 1))]
+    model.add(kg.Fix(corners, "z"), kg.Fix(corners[0], "xy"), kg.Fix(corners[1], "y"))
+    results = kg.LinearStatic(model).run()
+    curvature = 0.75 / (STEEL.E * 0.01**3 / 12 / (1 - STEEL.nu**2) * (1 + STEEL.nu))
+    cap = 0.5 * curvature * (x * (x - 1) + y * (y - 1))
+    np.testing.assert_allclose(results.u[-1, :, 2], cap, atol=1e-8 * curvature)
+    stress = results.stress(-1)
+    np.testing.assert_allclose(stress.moment, 0.75 * np.broadcast_to(np.eye(2), stress.moment.shape), atol=1e-7)
+
+
+def test_moments_need_shell_facets_and_edges(tmp_path):
+    for rung, words in (("plate", "use stiffness='shell'"), ("shell", "no boundary edge joins two")):
+        model, left, right, _, _ = strip("single", rung)
+        model.add(kg.Fix(left, clamp=True), kg.EdgeMoment([left[0], right[0]], 1.0))
+        with pytest.raises(kg.ModelError, match=words):
+            kg.LinearStatic(model).run()
+    model, left, right, _, _ = strip("single", "shell")
+    moment = model.add(kg.EdgeMoment(right, 0.1))
+    model.add(kg.Fix(left, clamp=True))
+    results = kg.LoadControl(model).run()
+    again = kg.load(results.save(tmp_path / "x.npz"))
+    assert again.energy["shell"][-1] == pytest.approx(results.energy["shell"][-1], rel=1e-9)
+    kernel = next(k for k in kg.System(model).kernels if k.name == "edge moments")
+    assert moment.held(0.5).moment == 0.05 and kg.check_kernel(kernel, kg.System(model).rest) is not False
