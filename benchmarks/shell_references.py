@@ -199,7 +199,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
         wanted = reference(case)
         for level, (nodes, seconds) in CASES[case].shell.items():
             found = shell_errors(case, level, wanted)
-            print(f"| {case} | {level} | shell | {nodes} | {seconds:.0f} | | {_told(found)} |")
+            print(f"| {case} | {level} | shell code | {nodes} | {seconds:.0f} | | {_told(found)} |")
         for row in rows:
             if row["case"] != case:
                 continue
@@ -233,7 +233,7 @@ def draw(rows: list[dict[str, Any]], path: Path) -> None:
         shell = CASES[case].shell
         worst = [100 * np.abs(shell_errors(case, level, wanted)["force"]).max() for level in shell]
         points = [(seconds, error) for (_, seconds), error in zip(shell.values(), worst) if error > 0.1]
-        ax.plot(*zip(*points), "k*-", lw=0.8, label="shell")
+        ax.plot(*zip(*points), "k*-", lw=0.8, label="shell code")
         for rung, (color, marker) in LOOKS.items():
             chosen = [r for r in rows if r["case"] == case and r["stiffness"] == rung and r["status"] == "done"]
             chosen.sort(key=lambda row: float(row["cpu_seconds"]))
@@ -242,7 +242,7 @@ def draw(rows: list[dict[str, Any]], path: Path) -> None:
             if chosen:
                 ax.plot(seconds, found, color=color, marker=marker, lw=1, label=rung)
         ax.axhspan(1e-2, 100 * max(CASES[case].remaining), color="black", alpha=0.07, lw=0)
-        ax.set(xscale="log", yscale="log", ylim=(0.5, 200), xlabel="CPU seconds", title=case, xlim=(4, 400))
+        ax.set(xscale="log", yscale="log", ylim=(0.5, 200), xlabel="CPU seconds", title=case, xlim=(2, 400))
         for axis in (ax.xaxis, ax.yaxis):
             axis.set_major_formatter("{x:g}")
             axis.set_minor_formatter("")
