@@ -77,3 +77,16 @@ def test_nodal_means_keep_the_integral() -> None:
         np.einsum("n,nij->ij", mesh.nodal_areas, nodal), np.einsum("m,mij->ij", mesh.facet_areas, values), rtol=1e-12
     )
     np.testing.assert_allclose(mesh.nodal_mean(np.full(len(mesh.triangles), 3.0)), 3.0, rtol=1e-14)
+
+
+def test_the_energy_of_a_crease_lies_at_the_ends_of_its_edges() -> None:
+    """Shares of the nodes sum to the stored energy, that of the fold included, and none of it is off the fold."""
+    mesh = kg.TriMesh([(0, 0), (1, 0), (1, 1), (0, 1)], [(0, 1, 2), (0, 2, 3)])
+    m = kg.Model.from_mesh(mesh, thickness=0.01, material=kg.Material(E=1e9), stiffness="shell")
+    m.add(kg.Crease([m.nodes[0], m.nodes[2]], stiffness=2.0, rest_angle=0.5))
+    results = kg.Results(kg.System(m))
+    results.append(kg.Step.at(m, 0.0, np.zeros((4, 3))))
+    shares = nodal_energy(results)[0]
+    stored = sum(values[0] for values in results.energy.values())
+    assert stored > 0.1 and shares.sum() == pytest.approx(stored, rel=1e-12)
+    assert shares[[0, 2]] == pytest.approx([stored / 2] * 2) and shares[[1, 3]] == pytest.approx([0, 0], abs=1e-12)

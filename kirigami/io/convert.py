@@ -16,6 +16,7 @@ from kirigami.errors import GeometryError
 from kirigami.files import library, whole_file
 from kirigami.geometry.mesh import TriMesh
 from kirigami.results.archive import load
+from kirigami.results.results import Results
 
 
 def info(path: str | os.PathLike[str], **reading: Any) -> dict[str, Any]:
@@ -163,13 +164,27 @@ def write_mesh(mesh: TriMesh, path: str | os.PathLike[str]) -> Path:
     return target
 
 
+PICTURES, FILMS = (".png", ".pdf", ".svg"), (".gif", ".mp4")
+
+
 def export(
-    path: str | os.PathLike[str], output: str | os.PathLike[str], *, kerf: float = 0.0, **reading: Any
+    path: str | os.PathLike[str],
+    output: str | os.PathLike[str],
+    *,
+    step: int = -1,
+    unit: str | None = None,
+    thickness: float | bool = False,
+    color: str | None = None,
+    view: str | tuple[float, float] | None = None,
+    frames: int = 40,
+    kerf: float = 0.0,
+    **reading: Any,
 ) -> list[Path]:
     """Turn results or a drawing into another kind of file, by the ending of its name.
 
-    Results (.npz) become .html, .csv, .nc, .pvd (its .vtu files go beside it), .stl, .obj, .ply, .glb, .gltf or
-    .fold; drawings become .dxf, .svg, .geojson or .fold.
+    Results (.npz) become a page (.html), tables (.csv, .nc), ParaView files (.pvd; its .vtu files go beside it),
+    pictures (.png, .pdf, .svg), films (.gif, .mp4), surfaces (.stl, .obj, .ply, .glb, .gltf) or .fold; drawings become
+    .dxf, .svg, .geojson or .fold.
 
     Parameters
     ----------
@@ -177,6 +192,14 @@ def export(
         What to turn.
     output : path
         What to write.
+    step : int
+        Which step of results a picture, a surface or a .fold file shows; -1 is the last.
+    unit, thickness
+        Of surfaces, see :func:`kirigami.io.surface.write_surface`.
+    color, view
+        Of pictures and films, see :func:`kirigami.plot.plot_results`.
+    frames : int
+        Pictures in a film.
     kerf : float
         Of a drawing as .dxf or .svg: width of what the cutter takes away [m].
     **reading
@@ -189,8 +212,10 @@ def export(
 
     Raises
     ------
-    GeometryError, AnalysisError
-        The file cannot be read, or there is no such kind of output.
+    GeometryError, AnalysisError, ModelError
+        The file cannot be read, or there is no such kind of output, step or colour.
+    KirigamiError
+        A library that is needed is not installed: the message names it.
 
     Examples
     --------
@@ -206,7 +231,12 @@ def export(
     if kerf:
         raise GeometryError(f"{path}: a `kerf` is for drawings that are cut, not for results")
     results = load(path)
+    step = results.step_number(step, "export")
     ending = target.suffix.lower()
+    if ending in PICTURES:
+        return [_write_picture(results, target, step, color, view)]
+    if ending in FILMS:
+        return [results.animate(target, frames=frames, color=color, view=view)]
     if ending == ".html":
         from kirigami.io.html import to_html
 
@@ -228,10 +258,22 @@ def export(
 
         if results.mesh is None:
             raise GeometryError("only results of a model made by Model.from_mesh have facets to write")
-        return [write_fold(results.mesh, target, positions=results.position()[-1, : len(results.mesh.nodes)])]
+        return [write_fold(results.mesh, target, positions=results.position()[step, : len(results.mesh.nodes)])]
     from kirigami.io.surface import ENDINGS, write_surface
 
     if ending in ENDINGS:
-        return [write_surface(results, target)]
-    kinds = ", ".join((".html", ".csv", ".nc", ".pvd", ".fold", *ENDINGS))
+        return [write_surface(results, target, step, unit, thickness)]
+    kinds = ", ".join((".html", ".csv", ".nc", ".pvd", *PICTURES, *FILMS, ".fold", *ENDINGS))
     raise GeometryError(f"{target}: results are exported as {kinds}")
+
+
+def _write_picture(results: Results, target: Path, step: int, color: Any, view: Any) -> Path:
+    from matplotlib import pyplot
+
+    figure = results.plot(step, color=color, view=view).figure
+    try:
+        with whole_file(target) as unfinished:
+            figure.savefig(unfinished, dpi=200, bbox_inches="tight")
+    finally:
+        pyplot.close(figure)
+    return target

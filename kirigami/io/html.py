@@ -22,6 +22,8 @@ from kirigami.primitives.checks import require_path, require_text, require_whole
 from kirigami.primitives.kernel import Array
 from kirigami.results.fields import energy_density, facet_strain
 from kirigami.results.results import Results
+from kirigami.results.smooth import known_stress, sectors
+from kirigami.units import unit_for
 
 LEVELS = 65535  # positions are stored in so many parts of the extent of each axis
 SHADES = 255  # colours in so many shades
@@ -31,6 +33,8 @@ TITLES = {
     "height": "height (largest less smallest z)",
     "open_area": "open area of the cuts",
 }
+SI_UNITS = {"height": "m", "open_area": "m²"}
+LABELS = {"stress": "von Mises stress", "strain": "strain", "energy": "energy / area", "force": "force"}
 
 
 def to_html(
@@ -43,9 +47,10 @@ def to_html(
 ) -> Path:
     """Write a page of its own: the sheet turns under the mouse, a slider runs the load, curves move along.
 
-    Colours show height, strain or stored energy. Everything lies in the file, the drawing program too, all compressed:
-    10,000 nodes and 50 steps take about 4 MB. Positions are rounded to 1/65535 of the extent, for looking only. Needs a
-    browser of 2023 or later.
+    Colours show height, stress, strain or stored energy as means round each node, with the jumps kept across folds and
+    cuts; the rest state lies beside it, and a click on a node draws its displacement. Everything lies in the file, the
+    drawing program too, all compressed: 10,000 nodes and 50 steps take about 4 MB. Positions are rounded to 1/65535 of
+    the extent, for looking only. Needs a browser of 2023 or later.
 
     Parameters
     ----------
@@ -88,11 +93,10 @@ def to_html(
     shown = np.unique(np.linspace(0, len(results) - 1, min(frames, len(results))).round().astype(int))
     head, body = _contents(results, shown)
     head["title"], head["told"] = heading, results.shape_words
-    head["curves"] = {
-        TITLES.get(name, name.replace("_", " ")): [value if np.isfinite(value) else None for value in values.tolist()]
-        for name, values in curves(results, reactions).items()
-        if name not in ("stable", "residual")
-    }
+    head["curves"] = titled_curves(results, reactions)
+    if results.drives:
+        motion, response = results.drives[0].titles(bool(results.units))
+        head["main"], head["over"] = response, motion + " [%]" * (results.drives[0].kind == "ratio")
     stable = [None if step.negative is None else step.stable for step in results.steps]
     head["stable"], head["shown"] = stable, shown.tolist()
     page = importlib.resources.files("kirigami.io").joinpath("page.html").read_text(encoding="utf-8")
@@ -111,9 +115,54 @@ def _packed(data: bytes) -> str:
     return base64.b64encode(zlib.compress(data, 9)).decode("ascii")
 
 
+def titled_curves(results: Results, reactions: Mapping[str, Nodes] | None = None) -> dict[str, list[float | None]]:
+    """The curves of :func:`kirigami.io.table.curves` by titles for people, with units where these are known.
+
+    Of stretched sheets the reactions of driven nodes are left out, since they are there as force or torque.
+
+    Examples
+    --------
+    >>> import kirigami as kg
+    >>> m = kg.Model(dim=2)
+    >>> a, b = m.add(kg.Node(0, 0), kg.Node(2, 0))
+    >>> objects = m.add(kg.Bar(a, b, EA=10.0), kg.Fix(a), kg.Fix(b, "y"), kg.Prescribe(b, x=0.1))
+    >>> list(titled_curves(kg.LinearStatic(m).run()))
+    ['load factor', 'energy of bars', 'force on the driven nodes along x']
+    """
+    titles, factors = dict(TITLES), {}
+    si, known = bool(results.units), curves(results, reactions)
+    for drive in results.drives:
+        motion, response = drive.titles(si)
+        titles |= {drive.column: motion + " [%]" * (drive.kind == "ratio"), drive.response: response}
+        factors[drive.column] = 100.0 if drive.kind == "ratio" else 1.0
+    driven = [support.name for support in results.supports if support.driven]
+    found: dict[str, list[float | None]] = {}
+    for name, values in known.items():
+        if name in ("stable", "residual") or (results.drives and reactions is None and name.startswith("reaction_")):
+            continue
+        title = titles.get(name, "")
+        if name.startswith("reaction_"):
+            where, axis = name.removeprefix("reaction_").rsplit("_", 1)
+            number = f" {driven.index(where) + 1}" if where in driven and len(driven) > 1 else ""
+            title = f"force on {f'the driven nodes{number}' if where in driven else where} along {axis}" + " [N]" * si
+        elif name.startswith("energy_"):
+            title = f"energy of {name.removeprefix('energy_')}" + " [J]" * si
+        elif name in SI_UNITS and si:
+            title += f" [{SI_UNITS[name]}]"
+        scaled = factors.get(name, 1.0) * values
+        found[title] = [value if np.isfinite(value) else None for value in scaled.tolist()]
+    return found
+
+
 def _contents(results: Results, shown: NDArray[np.int64]) -> tuple[dict[str, Any], bytes]:
     """What the page must know, and the bytes of its arrays, one after the other."""
-    positions = results.position()[shown]
+    # Round a fold a node has a vertex for each of its sides, so that colours and light may jump there.
+    parts = None if results.mesh is None else sectors(results)
+    node = np.arange(len(results.rest)) if parts is None else parts.node
+    unit, factor = ("", 1.0)
+    if results.units:
+        unit, factor = unit_for(float(np.ptp(results.rest, axis=0).max()), "length")
+    positions = np.concatenate([results.position()[shown], results.rest[None]])[:, node] / factor
     low, extent = positions.min(axis=(0, 1)), np.ptp(positions, axis=(0, 1))
     extent[extent == 0] = 1.0
     levels = np.round((positions - low) / extent * LEVELS).astype(np.uint16)
@@ -121,32 +170,46 @@ def _contents(results: Results, shown: NDArray[np.int64]) -> tuple[dict[str, Any
     head: dict[str, Any] = {
         "nodes": positions.shape[1], "frames": len(shown), "low": low.tolist(), "extent": extent.tolist(),
         "flat": results.dim == 2, "lam": results.lam.tolist(), "time": results.time.tolist() if results.moves else None,
+        "flat": results.dim == 2, "lam": results.lam.tolist(), "unit": unit,
+        "node": None if parts is None or len(node) == len(results.rest) else node.tolist(),
     }  # fmt: skip
-    # Differences from step to step, low and high bytes apart: that is what packs well.
+    # Differences from step to step, low and high bytes apart: that is what packs well. The last one is the rest state.
     change = np.diff(levels, axis=0, prepend=np.zeros_like(levels[:1])).transpose(0, 2, 1)
     blocks += [(change & 255).astype(np.uint8).tobytes(), (change >> 8).astype(np.uint8).tobytes()]
-    fields: dict[str, tuple[Array, str]] = {}
-    if results.mesh is not None:
+    fields: dict[str, tuple[Array, str, str]] = {}
+    if results.mesh is not None and parts is not None:
         mesh = results.mesh
         head["triangles"] = len(mesh.triangles)
-        blocks.append(_planes(mesh.triangles))
-        lines = mesh.edges[mesh.boundary_edges]
-        fields["strain"] = (facet_strain(results)[shown], "facet")
-        fields["energy"] = (energy_density(results)[shown], "node")
+        blocks.append(_planes(parts.corner))
+        vertex = np.zeros(len(results.rest), dtype=np.int64)
+        vertex[node[::-1]] = np.arange(len(node))[::-1]
+        lines = vertex[mesh.edges[mesh.boundary_edges]]
+        stress = known_stress(results, parts)
+        if stress is not None:
+            fields["stress"] = (stress[shown], "node", "stress")
+        fields["strain"] = (parts.means(facet_strain(results)[shown]), "node", "")
+        fields["energy"] = (energy_density(results)[shown][:, node], "node", "energy per area")
     else:
         head["triangles"] = 0
         lines = results.bars
         if len(lines):
-            fields["strain"] = (results.bar_strain[shown], "line")
-        fields["energy"] = (energy_density(results)[shown], "node")
+            fields["force"] = (results.bar_force[shown], "line", "force")
+            fields["strain"] = (results.bar_strain[shown], "line", "")
+        fields["energy"] = (energy_density(results)[shown], "node", "energy")
     head["lines"] = len(lines)
     blocks.append(_planes(lines))
     head["fields"] = {}
-    for name, (values, where) in fields.items():
+    for name, (values, where, kind) in fields.items():
         smallest, largest = _span(values)
         shades = np.clip(np.round((values - smallest) / (largest - smallest) * SHADES), 0, SHADES).astype(np.uint8)
         blocks.append(np.diff(shades, axis=0, prepend=np.zeros_like(shades[:1])).tobytes())
-        head["fields"][name] = {"where": where, "low": smallest, "high": largest}
+        title, size = LABELS[name], 1.0
+        if name == "energy" and results.mesh is None:
+            title = "energy"
+        if kind and results.units:
+            of, size = unit_for(max(abs(smallest), abs(largest)), kind)
+            title += f" [{of.replace('m2', 'm²')}]"
+        head["fields"][name] = {"where": where, "low": smallest / size, "high": largest / size, "title": title}
     return head, b"".join(blocks)
 
 

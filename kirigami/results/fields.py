@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 
 from kirigami.elements.triangle import SurfaceStrain
 from kirigami.errors import AnalysisError

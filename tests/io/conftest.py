@@ -37,3 +37,14 @@ def truss() -> kg.Results:
     m.add(kg.Bar(left, apex, EA=1.0), kg.Bar(apex, right, EA=1.0), kg.Fix([left, right]))
     m.add(kg.Fix(apex, "x"), kg.NodalLoad(apex, (0, -1)))
     return kg.DisplacementControl(m, to=-1.1, control=(apex, "y"), step=-0.05).run()
+
+
+@pytest.fixture(scope="session")
+def folded() -> kg.Results:
+    """A sheet with a crease down its middle that wants to fold, clamped at one side, the other side lifted."""
+    mesh = rectangle_mesh(4, 2, 2.0, 1.0)
+    m = kg.Model.from_mesh(mesh, 0.05, kg.Material(E=1e6, nu=0.3), stiffness="shell")
+    m.name = "folded"
+    m.add(kg.Crease(m.select(where=lambda x, y, z: x == 1), stiffness=1.0, rest_angle=1.0))
+    m.add(kg.Fix(m.select(boundary="left"), clamp=True), kg.Prescribe(m.select(boundary="right"), z=0.5))
+    return kg.DisplacementControl(m, targets=[0.5, 1.0]).run()

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import base64
+import copy
 import json
 import re
 import shutil
@@ -12,11 +13,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import shapely
 
 import kirigami as kg
 from kirigami.io.surface import write_surface
 from kirigami.io.table import curves
-from kirigami.results.fields import facet_strain
+from kirigami.results.fields import energy_density, facet_strain
+from kirigami.results.smooth import sectors, surface_stress
 
 pytest.importorskip("plotly")
 from kirigami.io.html import to_html
@@ -32,23 +35,50 @@ def test_page_holds_positions_curves_and_colours(strip: kg.Results, tmp_path: Pa
     page = to_html(strip, tmp_path / "strip.html").read_text(encoding="utf-8")
     head, body = contents(page)
     frames, nodes, facets = len(strip), len(strip.rest), len(strip.mesh.triangles)
-    count = 3 * nodes * frames
+    count = 3 * nodes * (frames + 1)
     data = np.frombuffer(body, np.uint8)
-    change = (data[:count].astype(np.uint16) | data[count : 2 * count].astype(np.uint16) << 8).reshape(frames, 3, nodes)
-    levels = np.cumsum(change, axis=0, dtype=np.uint16).transpose(0, 2, 1)
+    change = data[:count].astype(np.uint16) | data[count : 2 * count].astype(np.uint16) << 8
+    levels = np.cumsum(change.reshape(frames + 1, 3, nodes), axis=0, dtype=np.uint16).transpose(0, 2, 1)
     extent = np.array(head["extent"])
     positions = head["low"] + levels / 65535 * extent
-    assert np.abs(positions - strip.position()).max() <= 0.51 / 65535 * extent.max()
+    assert np.abs(positions[:-1] - strip.position()).max() <= 0.51 / 65535 * extent.max()
+    assert np.abs(positions[-1] - strip.rest).max() <= 0.51 / 65535 * extent.max()
     planes = data[2 * count : 2 * count + 12 * facets].reshape(4, -1).astype(np.int64)
     assert np.array_equal(planes.T @ [1, 256, 65536, 2**24], strip.mesh.triangles.ravel())
     at = 2 * count + 12 * facets + 8 * head["lines"]
-    shades = np.cumsum(data[at : at + frames * facets].reshape(frames, facets), axis=0, dtype=np.uint8)
-    field = head["fields"]["strain"]
-    strain = field["low"] + shades / 255 * (field["high"] - field["low"])
-    exact = np.clip(facet_strain(strip), field["low"], field["high"])
-    assert np.abs(strain - exact).max() <= 0.51 / 255 * (field["high"] - field["low"])
-    assert at + frames * (facets + nodes) == len(data)
-    assert head["curves"]["reaction driven 0 z"] == curves(strip)["reaction_driven_0_z"].tolist()
+    parts = sectors(strip)
+    strain = parts.means(facet_strain(strip))
+    exact = {"stress": surface_stress(strip), "strain": strain, "energy": energy_density(strip)}
+    assert list(head["fields"]) == list(exact)
+    for name, field in head["fields"].items():
+        shades = np.cumsum(data[at : at + frames * nodes].reshape(frames, nodes), axis=0, dtype=np.uint8)
+        values = field["low"] + shades / 255 * (field["high"] - field["low"])
+        wanted = np.clip(exact[name], field["low"], field["high"])
+        assert np.abs(values - wanted).max() <= 0.51 / 255 * (field["high"] - field["low"])
+        at += frames * nodes
+    assert at == len(data)
+    assert head["curves"]["force on the driven nodes along z"] == curves(strip)["reaction_driven_0_z"].tolist()
+
+
+def test_page_of_a_stretched_sheet_has_units_and_names(tmp_path: Path) -> None:
+    """What is known to be SI is shown in millimetres and megapascals, and curves say what they are and of what."""
+    slit = shapely.LineString([(0.01, 0.05), (0.04, 0.05)])
+    sheet = kg.Sheet(shapely.box(0, 0, 0.05, 0.1), (slit,), 1e-4, kg.Material(E=2e9, nu=0.3))
+    case = kg.LoadCase(strain=0.002, twist=20)
+    res = kg.stretch(sheet, case=case, accuracy="draft", max_edge=0.02, stiffness="shell")
+    plain, _ = contents(to_html(res, tmp_path / "plain.html").read_text(encoding="utf-8"))
+    assert {"strain [%]", "force of the grip", "twist [degrees]", "torque of the grip"} <= set(plain["curves"])
+    res.units = "SI"
+    head, _ = contents(to_html(res, tmp_path / "si.html").read_text(encoding="utf-8"))
+    assert head["unit"] == "mm" and head["extent"] == pytest.approx([1e3 * side for side in plain["extent"]])
+    assert (head["main"], head["over"]) == ("force of the grip [N]", "strain [%]")
+    for name in ("torque of the grip [N m]", "height (largest less smallest z) [m]", "energy of shell [J]"):
+        assert name in head["curves"]
+    assert not any(name.startswith("reaction") for name in head["curves"])
+    assert head["curves"]["strain [%]"] == pytest.approx((0.2 * res.lam).tolist())
+    assert head["fields"]["stress"]["title"] == "von Mises stress [MPa]"
+    factor = head["fields"]["stress"]["high"] / plain["fields"]["stress"]["high"]
+    assert factor == pytest.approx(1e-6) and head["fields"]["energy"]["title"].startswith("energy / area [")
 
 
 def test_page_stands_alone_and_escapes_its_title(strip: kg.Results, tmp_path: Path) -> None:
@@ -88,24 +118,27 @@ BROWSER = shutil.which("chromium") or shutil.which("chromium-browser") or shutil
 
 @pytest.mark.external
 @pytest.mark.skipif(BROWSER is None, reason="no Chromium (Debian: chromium)")
-@pytest.mark.parametrize("case", ["strip", "truss"])
+@pytest.mark.parametrize("case", ["strip", "folded", "truss"])
 def test_page_in_a_browser(case: str, tmp_path: Path, request: pytest.FixtureRequest) -> None:
-    """The page says what it shows, and the picture holds a coloured sheet; without a network."""
+    """The page says what it shows, and the picture holds a coloured sheet; without a network. A node may be picked."""
     results = request.getfixturevalue(case)
     page = to_html(results, tmp_path / "page.html")
     options = ["--headless=new", "--no-sandbox", "--disable-gpu", "--use-angle=swiftshader"]
     options += ["--enable-unsafe-swiftshader"]
     options += ["--window-size=1200,800", "--virtual-time-budget=15000", "--host-resolver-rules=MAP * ~NOTFOUND"]
-    address = f"{page.as_uri()}?frame=1"
+    address = f"{page.as_uri()}?frame=1&node=1"
     start = {"capture_output": True, "text": True, "timeout": 120}
     run = subprocess.run([BROWSER, *options, "--dump-dom", address], check=True, **start)
     assert 'data-ready="yes"' in run.stdout
     assert f"step 1 of {len(results) - 1}, load factor {results.lam[1]:.5g}" in run.stdout
+    assert ">displacement z of the picked node</option>" in run.stdout or results.dim == 2
+    for name in ("rest state", "node 1", "bars" if case == "truss" else "rims and cuts"):
+        assert f">{name}</text>" in run.stdout  # the legend
     picture = tmp_path / "page.png"
     subprocess.run([BROWSER, *options, f"--screenshot={picture}", address], check=True, **start)
     image = pytest.importorskip("matplotlib.image").imread(picture)[100:600, :640, :3]
     colored = np.ptp(image, axis=2) > 0.15
-    assert colored.mean() > (0.02 if case == "strip" else 0.002)
+    assert colored.mean() > (0.002 if case == "truss" else 0.02)
 
 
 # ------------------------------------------------------------------------------------------- surfaces
@@ -124,6 +157,37 @@ def test_surfaces_are_read_back(ending: str, near: float, strip: kg.Results, tmp
     facets = strip.position()[-1][strip.mesh.triangles]
     assert read.triangles == pytest.approx(facets, abs=near * 4)
     assert list(tmp_path.iterdir()) == [path]
+
+
+def test_a_surface_with_thickness_is_a_closed_body(strip: kg.Results, tmp_path: Path) -> None:
+    """Watertight, faces outwards, and its volume is area times thickness (to first order in thickness over radius)."""
+    trimesh = pytest.importorskip("trimesh")
+    flat = trimesh.load(write_surface(strip, tmp_path / "flat.ply", step=0, thickness=1e-3), process=False)
+    assert flat.is_watertight and flat.is_winding_consistent
+    assert flat.volume == pytest.approx(strip.mesh.facet_areas.sum() * 1e-3, rel=1e-4)
+    bent = trimesh.load(write_surface(strip, tmp_path / "bent.stl", thickness=1e-3))  # joined where corners coincide
+    corners = strip.position()[-1][strip.mesh.triangles]
+    area = 0.5 * np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1).sum()
+    assert bent.is_watertight and bent.volume == pytest.approx(area * 1e-3, rel=0.02)
+
+
+def test_surfaces_have_units(strip: kg.Results, tmp_path: Path) -> None:
+    """STL of what is known to be metres is in millimetres, as printers take it; other formats as said."""
+    trimesh = pytest.importorskip("trimesh")
+    size = np.ptp(strip.position()[-1], axis=0)
+    known = copy.copy(strip)
+    known.units = "SI"
+    for results, name, unit, factor in (
+        (strip, "any.stl", None, 1.0), (known, "known.stl", None, 1e3), (known, "known.ply", None, 1.0),
+        (known, "inch.obj", "in", 1 / 0.0254), (known, "metres.stl", "m", 1.0),
+    ):  # fmt: skip
+        read = trimesh.load(write_surface(results, tmp_path / name, unit=unit), force="mesh", process=False)
+        assert np.ptp(read.vertices, axis=0) == pytest.approx(factor * size, rel=1e-5)
+    with pytest.raises(kg.ModelError, match="unit of length"):
+        write_surface(known, tmp_path / "x.stl", unit="cubit")
+    with pytest.raises(kg.ModelError, match="must be positive"):
+        write_surface(known, tmp_path / "x.stl", thickness=0.0)
+    assert not (tmp_path / "x.stl").exists()
 
 
 def test_surfaces_that_cannot_be_written(strip: kg.Results, truss: kg.Results, tmp_path: Path) -> None:
