@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from kirigami.elements.triangle import SurfaceStrain
 from kirigami.errors import AnalysisError
