@@ -170,7 +170,7 @@ def _contents(results: Results, shown: NDArray[np.int64]) -> tuple[dict[str, Any
     head: dict[str, Any] = {
         "nodes": positions.shape[1], "frames": len(shown), "low": low.tolist(), "extent": extent.tolist(),
         "flat": results.dim == 2, "lam": results.lam.tolist(), "time": results.time.tolist() if results.moves else None,
-        "flat": results.dim == 2, "lam": results.lam.tolist(), "unit": unit,
+        "unit": unit,
         "node": None if parts is None or len(node) == len(results.rest) else node.tolist(),
     }  # fmt: skip
     # Differences from step to step, low and high bytes apart: that is what packs well. The last one is the rest state.
