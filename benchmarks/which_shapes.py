@@ -138,11 +138,11 @@ def markdown(rows: list[dict[str, str]]) -> str:
         lines += [
             f"\n{name}: {first['nodes']} nodes, {first['trials']} trials, {first['cpu_seconds']} CPU s; the lowest "
             f"shape after {first['cpu_seconds_to_lowest']} CPU s of the search",
-            "| shape | energy J | force N | reached | arrangements | on shell: J, N, off | first by | leads to |",
+            "| shape | energy J | force N | reached | arrangements | on shell: J, N, off, as | first by | leads to |",
             "| --- | --- | --- | --- | --- | --- | --- | --- |",
         ]
         for row in mine:
-            trusted = ", ".join(row[key] for key in ("trusted_energy", "trusted_force", "trusted_distance"))
+            trusted = ", ".join(row[f"trusted_{key}"] for key in ("energy", "force", "distance", "as"))
             lines.append(
                 f"| {row['shape']} | {row['energy']} | {row['force']} | {row['times']} | {row['arrangements']} | "
                 f"{trusted if row['trusted_energy'] else ''} | {row['reached_by']} | {row['leads_to']} |"
@@ -166,7 +166,7 @@ def main() -> None:
         print(f"{name}\n{found}", flush=True)
         rows = [row for row in read_table() if row["sheet"] != name] + rows_of(name, found)
         with TABLE.open("w", newline="", encoding="utf-8") as file:
-            writer = csv.DictWriter(file, list(rows[0]))
+            writer = csv.DictWriter(file, list(rows[-1]), restval="", extrasaction="ignore")
             writer.writeheader()
             writer.writerows(rows)
         if wanted.pictures is not None:

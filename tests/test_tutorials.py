@@ -12,10 +12,15 @@ from matplotlib import pyplot
 
 ROOT = Path(__file__).resolve().parent.parent
 TUTORIALS = sorted((ROOT / "tutorials").glob("*.py"))
+LONG = ("07_which_shape",)
 LIBRARIES = {"04_your_own_drawing": ("svgelements", "ezdxf", "plotly")}
 
 
-@pytest.mark.parametrize("script", TUTORIALS, ids=[script.stem for script in TUTORIALS])
+@pytest.mark.parametrize(
+    "script",
+    [pytest.param(script, marks=pytest.mark.long if script.stem in LONG else ()) for script in TUTORIALS],
+    ids=[script.stem for script in TUTORIALS],
+)
 def test_runs_and_meets_its_number(script: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     for name in LIBRARIES.get(script.stem, ()):
         pytest.importorskip(name)

@@ -17,7 +17,7 @@ from kirigami.primitives.kernel import Array
 from kirigami.results.step import Step
 from kirigami.system.system import System
 
-RISE = 2.0  # factor from one load factor to the next on the way up
+RISE = 1.25  # factor from one load factor to the next on the way up
 
 
 @dataclass(frozen=True, eq=False)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import time
 import warnings
 from collections.abc import Sequence
@@ -28,7 +29,7 @@ from kirigami.study.trial_moves import Moves
 CHEAP, TRUSTED = "plate", "shell"
 OWN = ("", CHEAP, "paper", "calibration")  # searched as they are: no sheets, cheap ones, and other constants
 LESSER = ("plate", "facet")  # with the constants of the trusted rung
-ROUND = 8  # trials whose starts do not know of each other, however many run at a time
+ROUND = 4  # trials whose starts do not know of each other, however many run at a time
 PARENTS = 8  # lowest shapes from which moves start
 TOL, TOL_SEARCH = 1e-8, 1e-6  # of what is listed, and of what is looked through
 LOOKING, FOLLOWING = 0.5, 0.75  # shares of the budget after which no trial, and no path, is begun
@@ -84,7 +85,7 @@ class ShapeSearch:
         self._listed = KnownShapes(self._own.system, mirrors, alike)
         self._steps: dict[int, Relaxed] = {}  # of the listed shapes, by number
         self._carried: dict[int, int] = {}  # from the number of a searched shape to that of the listed one
-        self._confirmed: dict[int, tuple[Relaxed, float]] = {}
+        self._confirmed: dict[int, tuple[Relaxed, float, int]] = {}
         self._branches: list[Branch] = []
         self._links: list[Link] = []
         self._rows: list[dict[str, Any]] = []
@@ -205,13 +206,17 @@ class ShapeSearch:
         if self.trusted is None:
             return
         trusted = Relaxer(self.trusted, self.at, TOL)
+        sure = KnownShapes(trusted.system, self.mirrors, self.alike)
+        first: dict[int, int] = {}
         for count, kind in enumerate(self._listed.ordered()[:most]):
             if count and self.spent > self.budget:
                 self.notes.append(f'the budget left no time to relax more than {count} shapes on "{TRUSTED}"')
                 return
             relaxed = self._try(trusted, kind.u)
             if relaxed is not None:
-                self._confirmed[kind.number] = relaxed, self._listed.distance(kind.u, relaxed.step.u)
+                there = sure.add(relaxed.step.u, relaxed.energy, relaxed.force, kind.reached_by)
+                same = first.setdefault(there.number, kind.number)
+                self._confirmed[kind.number] = relaxed, self._listed.distance(kind.u, relaxed.step.u), same
 
     def _list(self, relaxed: Relaxed, told: str) -> Kind:
         kind = self._listed.add(relaxed.step.u, relaxed.energy, relaxed.force, told)
@@ -249,19 +254,27 @@ class ShapeSearch:
             for link in self._links
             if link.shape in places
         ]
+
+        def in_order(told: str) -> str:
+            """Words with the numbers that shapes have in the order of energy."""
+            return re.sub("#([0-9]+)", lambda found: str(places.get(int(found[1])) or "that is not listed"), told)
+
         shapes = []
         for kind in ordered:
             relaxed, place = self._steps[kind.number], number_of[kind.number]
-            confirmed, off = self._confirmed.get(kind.number, (None, float("nan")))
+            confirmed, off, same = self._confirmed.get(kind.number, (None, float("nan"), 0))
             mine = tuple(link for link in links if link.shape == place)
             shapes.append(
                 Shape(
-                    place, relaxed.energy, relaxed.force, relaxed.step, kind.reached_by, times[kind.number],
-                    arrangements[kind.number], confirmed, off, mine,
+                    place, relaxed.energy, relaxed.force, relaxed.step, in_order(kind.reached_by), times[kind.number],
+                    arrangements[kind.number], confirmed, off, number_of.get(same), mine,
                 )
             )  # fmt: skip
         branches = [replace(branch, shape=places[branch.shape]) for branch in self._branches if branch.shape in places]
-        rows = [{**row, "shape": places.get(row.pop("kind", 0), "")} for row in map(dict, self._rows)]
+        rows = []
+        for row in map(dict, self._rows):
+            found = places.get(row.pop("kind", 0))
+            rows.append({**row, "reached_by": in_order(row["reached_by"]), "shape": found or ""})
         return ShapeStudy(
             self.model, self.at, shapes, branches, links, rows, self.notes, self.spent,
             self._rung(self.searched), len(self._known.kinds), self.trusted, self._listed, number_of,

@@ -12,6 +12,16 @@ from kirigami.primitives.groups import first_of_group
 from kirigami.primitives.kernel import Array
 
 FLAT = 1e-6  # height over size below which a sheet counts as flat
+IMPERFECT = 0.01  # the same of the rest state of a sheet that was drawn flat
+
+
+def is_flat_sheet(model: Model) -> bool:
+    """Whether a model is a sheet that was drawn flat, with an imperfection or without: it buckles to either side."""
+    if model.dim == 2 or model.mesh is None:
+        return False
+    heights, size = model.mesh.nodes[:, 2:], model.mesh.size
+    drawn = float(np.ptp(heights)) if heights.size else 0.0
+    return drawn <= FLAT * size and float(np.ptp(model.positions()[:, 2])) <= IMPERFECT * size
 
 
 class Reflections:
@@ -36,8 +46,7 @@ class Reflections:
         rest, mesh, dim = model.positions(), model.mesh, model.dim
         self._triangles = None if mesh is None else mesh.triangles
         low, high = rest.min(axis=0), rest.max(axis=0)
-        size = float(np.linalg.norm(high - low))
-        self.flat = dim == 3 and mesh is not None and bool(high[2] - low[2] <= FLAT * size)
+        self.flat = is_flat_sheet(model)
         known = rest if self._triangles is None else rest[self._triangles].mean(axis=1)
         self._tree = cKDTree(known[:, :2] if self.flat else known)
         axes = ["xyz".index(axis) for axis in mirrors if "xyz".index(axis) < (2 if self.flat else dim)]

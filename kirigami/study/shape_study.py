@@ -50,6 +50,8 @@ class Shape:
     trusted_distance : float
         Relative distance of the two: far above 0 where the shape is not stable on the trusted rung, and left for
         another one.
+    trusted_as : int or None
+        Number of the first shape that becomes the same one on the trusted rung: its own where it stays by itself.
     links : tuple of Link
         Where it is lost when the pull is let down or goes on, and what it leads to.
     """
@@ -63,6 +65,7 @@ class Shape:
     arrangements: int
     trusted: Relaxed | None = None
     trusted_distance: float = float("nan")
+    trusted_as: int | None = None
     links: tuple[Link, ...] = ()
 
     def __repr__(self) -> str:
@@ -187,6 +190,7 @@ class ShapeStudy:
                 "trusted_energy": None if shape.trusted is None else shape.trusted.energy,
                 "trusted_force": None if shape.trusted is None else _known(shape.trusted.force),
                 "trusted_distance": _known(shape.trusted_distance),
+                "trusted_as": shape.trusted_as,
                 "reached_by": shape.reached_by,
                 "leads_to": "; ".join(_told(link) for link in shape.links),
             }
@@ -242,6 +246,8 @@ def _known(value: float) -> float | None:
 def _trusted(shape: Shape) -> str:
     if shape.trusted is None:
         return ""
+    if shape.trusted_as != shape.number:
+        return f"as shape {shape.trusted_as}"
     off = f", {100 * shape.trusted_distance:.0f} % off" if shape.trusted_distance > 0.1 else ""
     return f"{shape.trusted.energy:.6g}, {shape.trusted.force:.5g}{off}"
 

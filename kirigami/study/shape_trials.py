@@ -20,12 +20,11 @@ from kirigami.files import whole_file
 from kirigami.model.model import Model
 from kirigami.primitives.kernel import Array
 from kirigami.study.imperfect import bending_field
-from kirigami.study.imperfections import seeds
 from kirigami.study.relaxation import Relaxer
 from kirigami.study.trial_moves import Moves, Trial
 from kirigami.sweep.workers import Row, failure, message_of, runner_for
 
-SEEDED = 12  # trials that start from fields and modes, before the moves
+FIRST, EVERY, SEEDED = 4, 3, 12  # the first trials and every third, so many in all, start from fields and modes
 SHARE = 0.02  # share of the load factor at which a flat sheet is seeded: beyond its first buckles, and not by far
 HEIGHT = 0.02  # of a seed, over the size of the structure
 FORMAT = 1
@@ -36,15 +35,16 @@ def start_of(
 ) -> Trial:
     """Where a trial starts, by its number and what was found and tried before it, and by nothing else."""
     random = np.random.default_rng([seed, number])
-    if number >= SEEDED and shapes:
+    seeded = number if number < FIRST else FIRST + (number - FIRST) // EVERY
+    if shapes and ((number >= FIRST and (number - FIRST) % EVERY) or seeded >= SEEDED):
         return moves.trial(random, shapes, names, tried)
-    model = moves.model
     share = SHARE if moves.flat else 1.0
     try:
-        if number % 2 == 0 and model.dim == 3:
-            shape, told = bending_field(model, seed + number // 2), f"random field {seed + number // 2}"
+        if seeded % 2 == 0 and moves.model.dim == 3:
+            shape, told = bending_field(moves.model, seed + seeded // 2), f"random field {seed + seeded // 2}"
         else:
-            shape, told = seeds(model, number // 2 + 1)[-1], f"mode {number // 2 + 1}"
+            mode = seeded // 2 % len(moves.modes)
+            shape, told = moves.modes[mode], f"mode {mode + 1}"
     except KirigamiError:  # nothing that bends and resists bending, as in a truss
         shape, told = moves.shake(random, np.zeros_like(moves.rest))[0], "random displacements"
     height = HEIGHT * moves.size / float(np.abs(shape).max())

@@ -82,7 +82,7 @@ def shapes(
     path : path, optional
         A file that keeps every trial as it is done: the same call goes on where it was stopped.
     executor : concurrent.futures.Executor, optional
-        Runs the trials of a round of eight.
+        Runs the trials, four at a time.
     workers : int, optional
         Number of processes that do, without `executor`; by default everything runs in this one. Worth it from about a
         second a trial. A script must then stand under ``if __name__ == "__main__":``.

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.random import Generator
@@ -16,20 +17,25 @@ from numpy.typing import NDArray
 
 from kirigami.model.model import Model
 from kirigami.primitives.kernel import Array
-from kirigami.study.shape_space import FLAT, Reflections
+from kirigami.study.imperfections import seeds
+from kirigami.study.shape_space import Reflections, is_flat_sheet
 from kirigami.system.system import System
 
 Integers = NDArray[np.int64]
 
 SHARES = (0.05, 0.2, 1.0)  # of the load factor at which a flat sheet is changed
 REACH = (0.25, 0.9)  # radius of a patch that pops, over the length of its lip
+MODES = 6  # that trials start from
 DRAWS = 10  # most draws for a move that was not tried before
 THIN = 0.1  # extent of a rim over its largest one below which it does not count as a direction
 
 
 @dataclass(frozen=True, eq=False)
 class Trial:
-    """Where a descent starts: displacements (n, 3) at a share of the load factor, and how they came about."""
+    """Where a descent starts: displacements (n, 3) at a share of the load factor, and how they came about.
+
+    In the words a shape is "#" and its number in the order in which shapes are found.
+    """
 
     u: Array
     share: float
@@ -64,7 +70,7 @@ class Moves:
         self._graph = coo_matrix((distance, (low, high)), shape=(n, n)).tocsr()
         self.size = float(np.linalg.norm(np.ptp(self.rest, axis=0)))
         self.dim = model.dim
-        self.flat = model.dim == 3 and model.mesh is not None and bool(np.ptp(self.rest[:, 2]) <= FLAT * self.size)
+        self.flat = is_flat_sheet(model)
         self.free = np.flatnonzero((system.unknown.reshape(system.rest.shape)[:n] >= 0).any(axis=1))
         self.lips = [] if model.mesh is None else _lips(model)
         drive = np.zeros((n, 3))
@@ -73,6 +79,12 @@ class Moves:
         self._images = Reflections(model, "xy", self.rest)
         self._held = (system.unknown < 0).reshape(system.rest.shape)[:n]
         self._rows = self._row_bounds(model)
+
+    @cached_property
+    def modes(self) -> list[Array]:
+        """The lowest modes (n, 3) that are no rigid motions, or a ModelError."""
+        most = max(1, min(MODES, len(self.free) * self.dim // 2))
+        return seeds(self.model, most)
 
     # ---- choosing
 
@@ -102,7 +114,7 @@ class Moves:
         moves.append(self.shake)
         moved, told = moves[int(random.integers(len(moves)))](random, parents[chosen])
         share = float(random.choice(SHARES)) if self.flat else 1.0
-        return Trial(self.lowered(moved, share), share, f"shape {names[chosen]}, {told}")
+        return Trial(self.lowered(moved, share), share, f"shape #{names[chosen]}, {told}")
 
     def lowered(self, u: Array, share: float) -> Array:
         """About the displacements at a share of the load: those in the plane in proportion, heights with its root."""
@@ -157,7 +169,7 @@ class Moves:
         border = float(random.uniform(*np.quantile(along, (0.1, 0.9))))
         width = 0.05 * float(np.ptp(along))
         share = _step((along - border) / width)[:, None]
-        return (1 - share) * u + share * taken, f"beyond a line that of shape {name}"
+        return (1 - share) * u + share * taken, f"beyond a line that of shape #{name}"
 
     def shake(self, random: Generator, u: Array) -> tuple[Array, str]:
         """All nodes are moved by a random smooth field."""
