@@ -29,6 +29,8 @@ _HOME = {
     "Crease": "elements.crease",
     "Fix": "model.constraints",
     "Prescribe": "model.constraints",
+    "Grip": "model.grip",
+    "RigidLink": "model.grip",
     "Symmetry": "model.constraints",
     "Tie": "model.constraints",
     "Turn": "model.turn",
@@ -146,6 +148,8 @@ if TYPE_CHECKING:
     from kirigami.model.constraints import Symmetry as Symmetry
     from kirigami.model.constraints import Tie as Tie
     from kirigami.model.edge_moment import EdgeMoment as EdgeMoment
+    from kirigami.model.grip import Grip as Grip
+    from kirigami.model.grip import RigidLink as RigidLink
     from kirigami.model.loads import NodalLoad as NodalLoad
     from kirigami.model.model import Model as Model
     from kirigami.model.spread_loads import AreaLoad as AreaLoad

@@ -100,7 +100,7 @@ class Buckling(Analysis):
     def _prestressed(system: System, constant: Array, rate: Array, lam: float) -> Any:
         """Stiffness at rest with the stress that the linear solution has at a load factor."""
         rest = np.zeros_like(system.rest)
-        ahead = Tangent(ahead=(rest, system.displacement(constant + lam * rate, lam)))
+        ahead = Tangent(ahead=(rest, system.small_displacement(constant + lam * rate, lam)))
         return system.matrix(system.stiffness_blocks(rest, lam, ahead))
 
     def _geometric(self, system: System, stiffness: Any, constant: Array, rate: Array) -> tuple[Any, float]:
@@ -108,7 +108,7 @@ class Buckling(Analysis):
 
         At that size no digits are lost in the difference. None where the drive makes no stress.
         """
-        change = system.displacement(rate, 1.0) - system.displacement(np.zeros_like(rate), 0.0)
+        change = system.motion(rate, 1.0)
         scale = 1.0 / (system.largest_rotation(change) or 1.0)
         largest = float(np.abs(stiffness.data).max())
         for _ in range(2):

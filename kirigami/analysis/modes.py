@@ -24,18 +24,18 @@ def first_largest(values: Array) -> int:
     return int(np.flatnonzero(size >= size.max() * (1 - 1e-6))[0])
 
 
-def mode_shape(system: System, vector: Array) -> tuple[Array, Array]:
+def mode_shape(system: System, vector: Array, about: Array | None = None) -> tuple[Array, Array]:
     """Unknowns (free,) as a shape (n, 3) and what stands behind it (h, 3): largest component of the shape 1, the first
     of the largest entries positive."""
-    shape, inner = system.parted(system.displacement(vector, 0.0) - system.displacement(0 * vector, 0.0))
+    shape, inner = system.parted(system.motion(vector, about=about))
     first = shape.ravel()[first_largest(shape.ravel())]
     scale = np.abs(shape).max() * np.sign(first)
     return shape / scale, inner / scale
 
 
-def nodal_shape(system: System, vector: Array) -> Array:
+def nodal_shape(system: System, vector: Array, about: Array | None = None) -> Array:
     """Unknowns (free,) as a shape (n, 3): largest component 1, the first of the largest entries positive."""
-    return mode_shape(system, vector)[0]
+    return mode_shape(system, vector, about)[0]
 
 
 @dataclass(frozen=True, eq=False)
@@ -105,7 +105,7 @@ class Modes:
         """Modes with eigenvectors (free, k) about displacements `u` (rows, dim), which become the step of `results`."""
         nodal, inner = system.parted(u)
         results.append(Step(lam, nodal, inner=inner, history=system.history))
-        shapes = [mode_shape(system, vector) for vector in vectors.T]
+        shapes = [mode_shape(system, vector, u) for vector in vectors.T]
         return cls(values, np.array([s[0] for s in shapes]), np.array([s[1] for s in shapes]), results, timed)
 
     @property

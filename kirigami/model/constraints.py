@@ -52,6 +52,16 @@ class Constraint(ModelObject):
         return MappingProxyType({axis: read_only(values) for axis, values in self._values.items()})
 
     @property
+    def drives(self) -> bool:
+        """Whether it moves nodes with the load factor."""
+        return False
+
+    @property
+    def links(self) -> bool:
+        """Whether it holds nodes to others rather than to the ground."""
+        return bool(self.leaders)
+
+    @property
     def nodes(self) -> tuple[Node, ...]:
         return self.group + self.leaders
 
@@ -151,6 +161,10 @@ class Prescribe(Constraint):
             constant=require_boolean(constant, "constant", "Prescribe"),
             clamp=require_boolean(clamp, "clamp", "Prescribe"),
         )
+
+    @property
+    def drives(self) -> bool:
+        return not self.constant
 
     def held(self, lam: float) -> Prescribe:
         """The same, constant at load factor `lam`."""

@@ -106,6 +106,10 @@ class Turn(Constraint):
         vector: Array = np.radians(self.angle) * self.axis
         return vector
 
+    @property
+    def drives(self) -> bool:
+        return not self.constant
+
     def held(self, lam: float) -> Turn:
         """The same, constant at load factor `lam`."""
         lam = require_finite(lam, "lam", "Turn.held")

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from kirigami.primitives.kernel import Array, Configuration, Kernel, full_hessian
 from kirigami.primitives.node import Node
-from kirigami.primitives.rows import EdgeRows
+from kirigami.primitives.rows import EdgeRows, GripRows
 
 KINDS = ("element", "constraint", "load", "effect")
 
@@ -102,6 +102,8 @@ class Numbering:
         Numbers that no element reads, so that they are no unknowns.
     edges : EdgeRows or None
         The rows of the edges of shell facets.
+    grips : dict
+        The rows of each rigid grip, by the id of the constraint.
     objects : dict
         What is lowered, by class.
 
@@ -131,6 +133,7 @@ class Numbering:
         self.reach = np.full(self.points, np.inf)
         self.idle = np.zeros(rest.shape, dtype=bool)
         self.edges: EdgeRows | None = None
+        self.grips: dict[int, GripRows] = {}
         self.objects: dict[type[ModelObject], list[Any]] = {}
         self._index = {id(node): position for position, node in enumerate(self.nodes)}
 

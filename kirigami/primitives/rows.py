@@ -59,3 +59,34 @@ class EdgeRows:
         """Edges and angle rows that belong together, each pair once."""
         both = np.unique(np.stack([self.edge.ravel(), self.angle.ravel()], axis=1), axis=0)
         return both[:, 0], both[:, 1]
+
+
+@dataclass(frozen=True, eq=False)
+class GripRows:
+    """The rows that move as one rigid body, and the two that say how: they follow, and are no unknowns.
+
+    Attributes
+    ----------
+    points, vectors : ndarray of int, shape (k,) and (m,)
+        Rows that are positions, and rows that are differences of positions, which turn but do not shift.
+    arms : ndarray, shape (k + m, 3)
+        What they hold at rest, the positions against their centroid.
+    shift : int
+        Row of the displacement of the centroid.
+    turn : int
+        Row of the rotation vector times `radius`; in a plane its first number is the angle times `radius`.
+    radius : float
+        Root mean square of the arms of the points [length].
+    """
+
+    points: Index
+    vectors: Index
+    arms: Array
+    shift: int
+    turn: int
+    radius: float
+
+    @property
+    def followers(self) -> Index:
+        """All rows that follow."""
+        return np.concatenate([self.points, self.vectors])

@@ -497,6 +497,7 @@ class Results(ModelRecord):
 
     height = deferred("kirigami.results.measures:height")
     width = deferred("kirigami.results.measures:width")
+    moment = deferred("kirigami.results.moments:moment")
     poisson_ratio = deferred("kirigami.results.measures:poisson_ratio")
     curvature = deferred("kirigami.results.measures:curvature")
     stress = deferred("kirigami.results.stress:sheet_stress")

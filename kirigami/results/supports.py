@@ -17,7 +17,6 @@ if TYPE_CHECKING:
     from kirigami.model.model import Model
 
 
-DRIVES = "Prescribe", "Turn"
 
 
 @dataclass(frozen=True, eq=False)
@@ -27,8 +26,8 @@ class Support:
     Attributes
     ----------
     name : str
-        "driven_0" and on for what moves with the load factor (``Prescribe``, ``Turn``), "fixed_0" and on for what
-        stands still, "tied_0" and on for ties, each counted in the order added.
+        "driven_0" and on for what moves with the load factor (``Prescribe``, ``Turn``, ``Grip``), "fixed_0" and on for
+        what stands still, "tied_0" and on for ties and rigid links, each counted in the order added.
     kind : str
         Type of the constraint, such as "Prescribe".
     nodes : ndarray of int, shape (k,)
@@ -70,15 +69,14 @@ class Support:
     @property
     def driven(self) -> bool:
         """Whether it moves nodes with the load factor."""
-        return self.kind in DRIVES and not self.constant
+        return self.name.startswith("driven_")
 
 
 def named(constraints: Iterable[Any]) -> Iterable[tuple[str, Any]]:
     """Constraints with the names they go by in results and exports."""
     counts: Counter[str] = Counter()
     for item in constraints:
-        moves = type(item).__name__ in DRIVES and not item.constant
-        group = "tied" if item.leaders else "driven" if moves else "fixed"
+        group = "tied" if item.links else "driven" if item.drives else "fixed"
         yield f"{group}_{counts[group]}", item
         counts[group] += 1
 

@@ -94,7 +94,7 @@ def bending_field(model: Model, seed: int) -> Array:
     def reduced(values: Array) -> Array:
         rows = np.zeros_like(system.rest)
         rows[: len(place)] = values  # behind the nodes follow the unknowns of elements
-        return system.reduce(rows)
+        return system.reduce(system.carried(rows, rest))
 
     weight = reduced(np.repeat(areas[:, None], 3, axis=1))
     # A free body gets loads that do not move it as a whole, and a field without such a motion.
@@ -113,7 +113,7 @@ def bending_field(model: Model, seed: int) -> Array:
         ) from None
     found = factor.solve(force)
     found = found - rigid @ (rigid.T @ (weight * found))
-    field = np.asarray(system.displacement(found, 0.0)[: len(place)], dtype=float)
+    field = np.asarray(system.small_displacement(found, 0.0)[: len(place)], dtype=float)
     if normal is not None:
         field = np.outer(field @ normal, normal)
     if not np.isfinite(field).all() or not np.abs(field).max(initial=0.0) > 0:

@@ -8,12 +8,15 @@ from __future__ import annotations
 
 import importlib.util
 import os
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from kirigami.primitives.kernel import Array, CompiledKernel, Kernel
+
+if TYPE_CHECKING:
+    from kirigami.system.grips import Grips
 
 Index = NDArray[np.int64]
 
@@ -30,7 +33,9 @@ def scatter_add(target: Array, conn: Index, values: Array) -> None:
 class BlockPlan:
     """Which node block each Hessian block of each kernel adds to."""
 
-    def __init__(self, kernels: list[Kernel], nodes: int, more: Index | None = None) -> None:
+    def __init__(
+        self, kernels: list[Kernel], nodes: int, more: Index | None = None, grips: Grips | None = None
+    ) -> None:
         diagonal = np.arange(nodes)
         codes = [diagonal * nodes + diagonal]
         flips = []
@@ -43,6 +48,10 @@ class BlockPlan:
             flips.append(first > second)
         if more is not None:  # codes, lower number times nodes + higher number, of pairs that no kernel lists
             codes.append(more)
+        if grips is not None:  # pairs that no kernel has
+            known = np.unique(np.concatenate(codes))
+            low, high = grips.pairs(known // nodes, known % nodes)
+            codes.append(low * nodes + high)
         unique, inverse = np.unique(np.concatenate(codes), return_inverse=True)
         self.codes, self.count = unique, len(unique)
         self.low, self.high = unique // nodes, unique % nodes

@@ -32,6 +32,10 @@ def connected_parts(system: System) -> list[Index]:
         for other in range(1, kernel.conn.shape[1]):
             first.append(kernel.conn[:, 0])
             second.append(kernel.conn[:, other])
+    if system.grips is not None:
+        followers, leads, _ = system.grips.images()
+        first += [followers, leads[:, 0]]
+        second += [leads[:, 0], leads[:, 1]]
     tied = np.flatnonzero((system.unknown >= 0) & (system.leader != np.arange(system.leader.size)))
     first.append(tied // system.dim)
     second.append(system.leader[tied] // system.dim)
@@ -54,6 +58,9 @@ class _PartMotions:
         allowed = np.zeros_like(full)
         moving = system.unknown >= 0
         allowed[:, moving] = full[:, system.leader[moving]]
+        if system.grips is not None:
+            for field in allowed.reshape(len(motions), -1, system.dim):
+                system.grips.follow(field, u)
         # Tall matrices are reduced to square ones first, which have the same singular values and cost nothing.
         tall, square = np.linalg.qr(motions.T)
         _, sizes, basis = np.linalg.svd(square.T)
@@ -126,13 +133,19 @@ def rigid_fields(system: System, part: Index, u: Array) -> tuple[Array, list[str
     here = system.rest + u
     points = here[nodes]
     fields, names = rigid_motions(points)
-    if len(nodes) == len(part) or system.edges is None:
+    if len(nodes) == len(part):
         return fields, names
     rate = 1.0 / (float(np.abs(points - points.mean(axis=0)).max(initial=0.0)) or 1.0)
     full = np.zeros((len(fields), *system.rest.shape))
     full[:, nodes] = fields
-    for axis in range(3):
-        system.edges.turn(here, rate * np.eye(3)[axis], full[3 + axis])
+    for number, field in enumerate(full):
+        spin = np.zeros(3)
+        if number >= system.dim:
+            spin[number - system.dim if system.dim == 3 else 2] = rate
+            if system.edges is not None:
+                system.edges.turn(here, spin, field)
+        if system.grips is not None:
+            system.grips.lead(field, spin, u)
     return full[:, part], names
 
 
@@ -167,7 +180,7 @@ def costs_energy(system: System, vector: Array) -> bool:
     Strains and angles tell it where the stiffness, which adds up what stretching and bending cost, has lost the smaller
     one in rounding. The energy of a mechanism is of higher order, or the rounding of angles.
     """
-    shape = system.displacement(vector, 0.0) - system.displacement(np.zeros_like(vector), 0.0)
+    shape = system.motion(vector)
     turn = system.largest_rotation(shape)
     if turn == 0:
         return False
@@ -223,7 +236,7 @@ def check_floppy(system: System, matrix: Any, factor: Factor | None) -> None:
     none_at_all = 1e-6 * float(vector @ vector) * system.stiffness_scale
     if abs(float(vector @ (matrix @ vector))) > FREE * max(one_by_one, none_at_all):
         return
-    shape = system.displacement(vector, 0.0) - system.displacement(np.zeros_like(vector), 0.0)
+    shape = system.motion(vector)
     motion, nodes = describe_motion(system, shape)
     full = np.zeros((len(shape), 3))
     full[:, : system.dim] = shape

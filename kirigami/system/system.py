@@ -177,6 +177,8 @@ class System(Unknowns):
             kernel.settle(x)
         rows: Array = x - self.rest
         rows[: self.points] = np.asarray(u, dtype=float)[:, : self.dim]
+        if self.grips is not None:
+            self.grips.settle(rows)
         return rows
 
     # ---- evaluation
@@ -207,6 +209,8 @@ class System(Unknowns):
                 in_memory_order = gradient.ravel(order="K")
                 squares += float(in_memory_order @ in_memory_order)
                 scatter_add(total, kernel.conn, gradient)
+        if self.grips is not None:
+            self.grips.carry(total, u)
         return total, float(np.sqrt(squares))
 
     def imbalance(self, u: Array, lam: float) -> tuple[Array, float]:
@@ -247,17 +251,22 @@ class System(Unknowns):
         with self.clock("assembly"):
             drive = self.drive_at(lam).reshape(self.rest.shape)
             rate = plan.multiply(blocks, drive) if drive.any() else np.zeros_like(drive)
+        loads = rate if self.grips is None else np.zeros_like(rate)
         for kernel in self.kernels:
             if kernel.scaled:
                 gradient = kernel.by_load(x, lam, 1).gradient
                 assert gradient is not None
-                scatter_add(rate, kernel.conn, gradient)
+                scatter_add(loads, kernel.conn, gradient)
+        if self.grips is not None:  # the blocks have carried the rest already
+            self.grips.carry(loads, u)
+            rate += loads
         return self.reduce(rate)
 
-    def stiffness_blocks(self, u: Array, lam: float, tangent: Tangent = EXACT) -> Array:
+    def stiffness_blocks(self, u: Array, lam: float, tangent: Tangent = EXACT, carried: bool = True) -> Array:
         """Node blocks (dim, dim, blocks) of the Hessian of the potential, or of the tangent asked for.
 
-        In `tangent`, ``ahead`` holds displacements and a change, both (n, dim).
+        In `tangent`, ``ahead`` holds displacements and a change, both (n, dim). `carried` adds what follows grips onto
+        the rows that lead.
         """
         x = self.configuration(u)
         if tangent.ahead is not None:
@@ -283,6 +292,10 @@ class System(Unknowns):
                     plan.complete(blocks)
         if any(self.twins):
             self._add_compiled(x, lam, tangent, blocks)
+        if self.grips is not None and carried:
+            total, _ = self.forces(u, lam)
+            with self.clock("grips"):
+                self.grips.condense(blocks, plan.low, plan.high, np.asarray(u), total, tangent.convexity)
         return blocks
 
     def _add_compiled(self, x: Configuration, lam: float, tangent: Tangent, blocks: Array) -> None:
@@ -324,7 +337,7 @@ class System(Unknowns):
         lam = require_finite(lam, "lam", "System.stiffness")
         require_boolean(constrained, "constrained", "System.stiffness")
         state = np.zeros(self.rest.shape) if u is None else self._checked(u, "System.stiffness")
-        blocks = self.stiffness_blocks(state, lam)
+        blocks = self.stiffness_blocks(state, lam, carried=constrained)
         if constrained:
             return self.matrix(blocks)
         return PickPlan(self.plan, np.arange(self.rest.size), self.rest.size, self.dim).matrix(blocks)
@@ -334,14 +347,14 @@ class System(Unknowns):
         """Where each Hessian block goes; made once, when first needed."""
         if self._blocks_plan is None:
             with self.clock("assembly plan"):
-                self._blocks_plan = BlockPlan(self.kernels, len(self.rest))
+                self._blocks_plan = BlockPlan(self.kernels, len(self.rest), grips=self.grips)
         return self._blocks_plan
 
     def plan_with(self, low: Index, high: Index) -> tuple[BlockPlan, Index]:
         """The plan with blocks for node pairs as well, lower number first, and which blocks theirs are."""
         slots = self.plan.find(low, high)
         if slots is None:
-            self._blocks_plan = BlockPlan(self.kernels, len(self.rest), low * len(self.rest) + high)
+            self._blocks_plan = BlockPlan(self.kernels, len(self.rest), low * len(self.rest) + high, self.grips)
             self._pick_plan, self._links = None, None
             slots = self._blocks_plan.find(low, high)
             assert slots is not None

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -13,13 +13,19 @@ from kirigami.primitives.node import AXES
 from kirigami.primitives.parts import Numbering
 from kirigami.system.assembly import Index
 
+if TYPE_CHECKING:
+    from kirigami.system.grips import Grips
+
 
 class Unknowns:
     """The map between unknowns q and displacements, u = T q + lam * drive + held, where T only picks.
 
     Ties are resolved into a leader and an offset for each displacement, so that several may pick the same unknown.
     What turns (:class:`kirigami.model.turn.Turn`) leaves the straight line on arcs; `drive` is its rate at rest.
+    What follows a rigid grip is filled in behind it (:mod:`kirigami.system.grips`).
     """
+
+    grips: Grips | None = None
 
     def __init__(self, numbering: Numbering, constraints: Sequence[Any]) -> None:
         self.dim = numbering.dim
@@ -33,6 +39,11 @@ class Unknowns:
         owner: Index = np.full(dofs, -1)
         self.arcs: list[Any] = []
         for position, item in enumerate(constraints):
+            if id(item) in numbering.grips:
+                grip = self._hold_grip(item, numbering, position, owner, constraints)
+                fixed[grip] = True
+                (held if item.constant else drive)[grip] = self._grip_values(item, numbering)
+                continue
             nodes = numbering.index(item.group)
             leaders = numbering.index(item.leaders)
             axes = [axis for axis in item.values if AXES.index(axis) < self.dim]
@@ -64,6 +75,15 @@ class Unknowns:
             if hasattr(item, "rotation") and not item.constant:
                 self._turn(item, nodes, middles if numbering.edges is not None else nodes[:0], drive)
         fixed |= numbering.idle.ravel()
+        if numbering.grips:
+            from kirigami.system.grips import Grips
+
+            self.grips = Grips(numbering.grips.values(), self.rest)
+            fixed.reshape(-1, self.dim)[self.grips.followers] = True
+            tied = np.flatnonzero(np.isin(leader // self.dim, self.grips.followers) & (leader != np.arange(dofs)))
+            if tied.size:
+                one, other = (numbering.describe(int(dof) // self.dim) for dof in (tied[0], leader[tied[0]]))
+                raise ModelError(f"{one} is tied to {other}, which is in a Grip: put it into the Grip instead")
         for _ in range(dofs):
             following = np.flatnonzero(leader[leader] != leader)
             if not following.size:
@@ -130,6 +150,31 @@ class Unknowns:
             u += beyond
         return u
 
+    def _hold_grip(
+        self, item: Any, numbering: Numbering, position: int, owner: Index, constraints: Sequence[Any]
+    ) -> Index:
+        """Claim what follows a grip; the numbers of the displacements by which it is held or driven."""
+        rows = numbering.grips[id(item)]
+        for axis in range(self.dim):
+            at = rows.followers * self.dim + axis
+            self._check_conflict(at, AXES[axis], item, owner, constraints, numbering)
+            owner[at] = position
+        known = np.flatnonzero([value is not None for value in self._grip_motion(item)])
+        at = np.concatenate([rows.shift * self.dim + np.arange(self.dim), rows.turn * self.dim + np.arange(self.dim)])
+        at = at[known]
+        owner[at] = position
+        return at
+
+    def _grip_motion(self, item: Any) -> list[float | None]:
+        """What is known of the rows of a grip, number by number; the second one of a turn in a plane means nothing."""
+        turn = item.turn if self.dim == 3 else (item.turn[2], 0.0)
+        return [*item.move[: self.dim], *turn]
+
+    def _grip_values(self, item: Any, numbering: Numbering) -> Array:
+        radius = numbering.grips[id(item)].radius
+        scale = [1.0] * self.dim + [radius] * self.dim
+        return np.array([s * value for s, value in zip(scale, self._grip_motion(item)) if value is not None])
+
     @staticmethod
     def _check_conflict(
         at: Index, axis: str, item: Any, owner: Index, constraints: Sequence[Any], numbering: Numbering
@@ -148,10 +193,38 @@ class Unknowns:
 
     def displacement(self, q: Array, lam: float) -> Array:
         """Displacements (n, dim) for unknowns `q` (free,) at load factor `lam`."""
+        u = self._linear(q, lam)
+        if self.grips is not None:
+            self.grips.fill(u)
+        return u
+
+    def _linear(self, q: Array, lam: float) -> Array:
         u = self.known(lam)
         moving = self.unknown >= 0
         u[moving] += q[self.unknown[moving]]
         return u.reshape(self.rest.shape)
+
+    def motion(self, q: Array, lam: float = 0.0, about: Array | None = None) -> Array:
+        """Displacements (n, dim) for changes `q` (free,) and `lam` of unknowns and load factor, to first order about
+        displacements `about` (n, dim), or about the rest state."""
+        change: Array = self._linear(q, lam) - self._linear(np.zeros_like(q), 0.0)
+        if self.grips is not None:
+            self.grips.follow(change, np.zeros_like(change) if about is None else about)
+        return change
+
+    def small_displacement(self, q: Array, lam: float) -> Array:
+        """Displacements (n, dim) as :meth:`displacement` gives them, to first order about the rest state."""
+        u = self._linear(q, lam)
+        if self.grips is not None:
+            self.grips.follow(u, np.zeros_like(u))
+        return u
+
+    def carried(self, total: Array, u: Array) -> Array:
+        """A force-like field (n, dim) with what acts on followers of a grip carried to the rows that lead, at `u`."""
+        if self.grips is not None:
+            total = total.copy()
+            self.grips.carry(total, u)
+        return total
 
     def unknowns(self, u: Array) -> Array:
         """Unknowns (free,) of displacements `u` (n, dim or 3)."""
@@ -168,7 +241,9 @@ class Unknowns:
     def start_stage(self, u: Array) -> None:
         """Let a new stage begin at displacements `u`: what the constraints have elsewhere at load factor 0 is brought
         to its place in proportion to the load factor."""
-        ahead = (np.asarray(u)[:, : self.dim] - self.displacement(self.unknowns(u), 0.0)).ravel()
+        ahead = (np.asarray(u)[:, : self.dim] - self._linear(self.unknowns(u), 0.0)).ravel()
+        if self.grips is not None:
+            ahead.reshape(self.rest.shape)[self.grips.followers] = 0.0
         self.held = self.held + ahead
         self.drive = self.drive - ahead
 

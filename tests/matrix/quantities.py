@@ -20,7 +20,8 @@ class Quantity:
     """One quantity of results.
 
     ``tell(results, change)`` is an array; ``kind`` says how it goes over: "scalar" as it is, "place" and "force" as
-    vectors in the last axis, "members" and "facets" as values in another order, "nodes" with the nodes in the second
+    vectors in the last axis, "moment" as axial ones,
+    "members" and "facets" as values in another order, "nodes" with the nodes in the second
     axis, "node places" as vectors of nodes. ``length`` and ``force`` are the powers of the units. ``order`` is that of
     the quantity in a linear analysis under a doubled load, None where it is not asked.
     """
@@ -54,6 +55,10 @@ QUANTITIES: dict[str, Quantity] = {
     "u": Quantity(lambda r, c: r.u, "node places", length=1),
     "position": Quantity(lambda r, c: r.position(), "node places", length=1, order=None),
     "reaction": Quantity(lambda r, c: np.stack([r.reaction(name) for name in SUPPORTS]), "force", force=1),
+    "moment": Quantity(
+        lambda r, c: np.stack([r.moment(name) for name in SUPPORTS]), "moment", force=1, length=1,
+        served=frozenset(STRUCTURES) - {*BUILT} | {"linked tower", "tower"},
+    ),
     "energy": Quantity(lambda r, c: sum(r.energy.values()), length=1, force=1, order=2),
     "energy_shares": Quantity(lambda r, c: np.stack([s for _, s in sorted(r.energy_shares().items())]), order=None),
     "stable": Quantity(lambda r, c: r.stable.astype(float), order=0),
@@ -116,6 +121,8 @@ def carried_over(quantity: Quantity, values: Any, change: Change) -> np.ndarray:
     values = values * change.length**quantity.length * change.force**quantity.force
     if quantity.kind in ("force", "node places"):
         values = values @ change.turn.T
+    if quantity.kind == "moment":  # a mirror turns the sense of rotations
+        values = values @ change.turn.T * np.sign(np.linalg.det(change.turn))
     if quantity.kind in ("nodes", "node places"):
         values = values[:, change.order(values.shape[1])]
     if quantity.kind == "members":

@@ -85,6 +85,8 @@ def built(
                 a, b = (change.places(old)[k] for k in ends)
                 length = (1 - 0.05 * drive) * float(np.linalg.norm(b - a))
                 m.add(kg.Bar(i[0], i[1], EA=value, target_length=length, mass_per_length=line))
+            elif kind == "link":
+                m.add(kg.RigidLink(i))
             elif kind == "ground":
                 m.add(kg.Spring(i[0], value))
             elif kind == "hinge":
@@ -138,6 +140,12 @@ STAYED_TOWER = built(
      *(("driven bar", k, 2, 5.0) for k in (3, 5)), ("bar", 4, 2, 5.0), ("ground", 1, 0.3)],
     3, [0, 3, 4, 5], [2], [1],
 )  # fmt: skip
+LINKED_TOWER = built(
+    [(0, 0, 0), (1, 0, 0), (0.4, 1, 0), (0.1, 0.1, 1), (0.9, 0.2, 1.1), (0.4, 0.8, 1), (0.5, 0.4, 2), (0.5, 0.4, 1.2)],
+    [*(("bar", *ends, 10.0) for ends in ((0, 3), (1, 4), (2, 5), (0, 4), (1, 5), (2, 3), (3, 6), (7, 6), (5, 6))),
+     ("link", 3, 4, 5, 7, 0.0)],
+    3, [0, 1, 2], [6], [3],
+)  # fmt: skip
 
 
 def serves_plane(rung: str) -> bool:
@@ -157,7 +165,7 @@ PLANE: dict[str, Callable[[Change, float], kg.Model]] = {
     if serves_plane(rung)
 }
 BUILT = {"truss": TRUSS, "tower": TOWER, "hinged strip": STRIP, "chain of springs": CHAIN}
-BUILT |= {"stayed mast": STAYED_MAST, "stayed tower": STAYED_TOWER}
+BUILT |= {"stayed mast": STAYED_MAST, "stayed tower": STAYED_TOWER, "linked tower": LINKED_TOWER}
 STRUCTURES = SHEETS | PLANE | BUILT
 PLANAR = {*PLANE, "truss", "chain of springs", "stayed mast"}
 

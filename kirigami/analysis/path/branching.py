@@ -23,7 +23,7 @@ def leave_along_mode(run: PathRun, located: Step, mode: Array, sign: int) -> tup
     q = system.unknowns(system.joined(located.u, located.inner))
     origin = State(q, located.lam, system.displacement(q, located.lam))
     direction = sign * system.unknowns(mode)
-    shape = system.displacement(direction, 0.0) - system.displacement(0 * direction, 0.0)
+    shape = system.motion(direction, about=origin.u)
     turn = system.largest_rotation(shape)
     control = ModeControl(origin, direction)
     best: tuple[Point, Attempt] | None = None

@@ -174,12 +174,13 @@ class ArcLengthControl(Control):
         gap = float((walked**2).sum()) + rise * (lam - self._origin.lam) - self._length**2
         if not walked.any():
             return -self._length, None, 0.0
-        by_lam = 2 * float((walked.ravel() * self._drive).sum()) + 2 * rise
-        return gap, 2 * self.system.reduce(walked), by_lam
+        carried = self.system.carried(walked, self._origin.u + walked)
+        by_lam = 2 * float((carried.ravel() * self._drive).sum()) + 2 * rise
+        return gap, 2 * self.system.reduce(carried), by_lam
 
-    def along(self, rate: Array) -> Array:
-        """Displacement (n, dim) per unit of load factor on the tangent."""
-        return self.system.displacement(rate, 1.0) - self.system.displacement(0 * rate, 0.0)
+    def along(self, rate: Array, state: State) -> Array:
+        """Displacement (n, dim) per unit of load factor on the tangent at a state."""
+        return self.system.motion(rate, 1.0, state.u)
 
     def distance(self, change: Array, rise: float) -> float:
         """Length of a step of displacements `change` (n, dim) and load factor `rise`."""
@@ -189,7 +190,7 @@ class ArcLengthControl(Control):
         return float((along * change).sum()) + self.weight**2 * rise
 
     def predict(self, increment: float, rate: Array) -> float:
-        along = self.along(rate)
+        along = self.along(rate, self._origin)
         size = self.distance(along, 1.0)
         if size == 0 or not np.isfinite(size):
             return float("nan")
@@ -198,14 +199,14 @@ class ArcLengthControl(Control):
         return self.sense * increment / size
 
     def load_rate(self, rate: Array, before: State, after: State) -> float:
-        along = self.along(rate)
+        along = self.along(rate, before)
         ahead = self._dot(along, after.u - before.u, after.lam - before.lam)
         return float(np.sign(ahead) / self.distance(along, 1.0))
 
     def doubt(self, before: Point, attempt: Attempt, tangent: Tangent) -> str:
         state = attempt.state
         change, rise = state.u - before.state.u, state.lam - before.state.lam
-        begin, end = self.along(before.tangent.rate), self.along(tangent.rate)
+        begin, end = self.along(before.tangent.rate, before.state), self.along(tangent.rate, state)
         walked = self.distance(change, rise)
         straight = self.sense * self._dot(begin, change, rise) / (self.distance(begin, 1.0) * walked)
         if straight < SHARPEST_TURN:

@@ -212,7 +212,7 @@ def _append(run: PathRun, kind: str, place: Place, index: int, message: str, bra
     iterations = 0 if place.attempt is None else place.attempt.iterations
     residual = system.imbalance(state.u, state.lam)[1]
     step = run.make_step(state.u, state.lam, point.negative, residual, iterations)
-    mode = nodal_shape(system, critical_pair(system, point.tangent)[1])
+    mode = nodal_shape(system, critical_pair(system, point.tangent)[1], point.state.u)
     run.results.events.append(Event(kind, float(state.lam), index, message, bracket, step, mode))
 
 

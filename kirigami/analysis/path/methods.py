@@ -288,7 +288,7 @@ class ArcLength(PathAnalysis):
     def plan(self, control: Control, point: Point) -> Increments:
         assert isinstance(control, ArcLengthControl)
         control.sense = float(np.sign(self.step))
-        along = control.along(point.tangent.rate)
+        along = control.along(point.tangent.rate, point.state)
         if self.arc == "spherical":
             control.weight = float(np.linalg.norm(along))
         length = abs(self.step) * control.distance(along, 1.0)

@@ -122,7 +122,7 @@ class SlowSteps(Steps):
         system = self.run.system
         _, mode = inverse_iteration(factor, system.free, 8)
         mode *= np.sign(mode[np.argmax(np.abs(mode))])
-        shape = system.displacement(mode, 0.0) - system.displacement(0 * mode, 0.0)
+        shape = system.motion(mode, about=state.u)
         self.moving, self.velocity = state.q + mode * (PUSH / system.largest_rotation(shape)), None
         self.time_step = 0.01 * self.relaxation
 

@@ -162,7 +162,7 @@ class StableSteps(Steps):
             return guess
         along = float(mode @ (self.run.weight * before.tangent.rate)) * np.sign(increment)
         mode *= np.sign(along) or 1.0
-        shape = system.displacement(mode, 0.0) - system.displacement(0 * mode, 0.0)
+        shape = system.motion(mode, about=guess.u)
         q = guess.q + mode * (PUSH / system.largest_rotation(shape))
         return State(q, guess.lam, system.displacement(q, guess.lam))
 
