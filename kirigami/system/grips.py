@@ -139,6 +139,13 @@ class Grips:
         once = (low[at] != high[at]) | (first <= second)
         return at[once], first[once], second[once], left_of[once], right_of[once]
 
+    def _planned(self, low: Index, high: Index) -> tuple[Any, ...]:
+        """The terms of :meth:`_spread` with the slot each adds to, whether turned over, and whether both ways."""
+        at, first, second, left, right = self._spread(low, high)
+        size = len(self.rest)
+        slot = np.searchsorted(low * size + high, np.minimum(first, second) * size + np.maximum(first, second))
+        return at, slot, left, right, first > second, (first == second) & (low[at] != high[at])
+
     def condense(
         self, blocks: Array, low: Index, high: Index, u: Array, total: Array, convexity: float
     ) -> None:
@@ -148,13 +155,7 @@ class Grips:
         are the forces at `u`.
         """
         if self._plan is None:
-            at, first, second, left, right = self._spread(low, high)
-            flipped = first > second
-            size = len(self.rest)
-            code = np.minimum(first, second) * size + np.maximum(first, second)
-            slot = np.searchsorted(low * size + high, code)
-            both = (first == second) & (low[at] != high[at])
-            self._plan = at, slot, left, right, flipped, both
+            self._plan = self._planned(low, high)
         at, slot, left, right, flipped, both = self._plan
         chains = np.concatenate([np.eye(self.dim)[None], *(self._rates(grip, u) for grip in self.grips)])
         made = chains[left].swapaxes(1, 2) @ blocks[:, :, at].transpose(2, 0, 1) @ chains[right]
