@@ -76,7 +76,7 @@ class Eigen(Analysis):
         if self.about is not None:
             u, lam = system.joined(self.about.u, self.about.inner), self.about.lam
             system.history = self.about.history
-        inertia = Inertia(system, self._mass(system.points))
+        inertia = Inertia(system, self._mass(system.points), u)
         matrix = system.matrix(system.stiffness_blocks(u, lam))  # in the pattern that has room for the masses
         massive = int(np.count_nonzero(inertia.matrix.diagonal()))
         if self.n > massive:

@@ -40,6 +40,7 @@ class Grips:
         self.rest, self.dim = rest, rest.shape[1]
         self.followers = np.concatenate([grip.followers for grip in self.grips])
         self._plan: tuple[Any, ...] | None = None
+        self._planned_for: Index | None = None
 
     def _theta(self, grip: GripRows, u: Array) -> Array:
         row = u[grip.turn] / grip.radius
@@ -154,8 +155,8 @@ class Grips:
         `low` and `high` are the rows of each block, sorted by the lower one and then the higher; `total` (rows, dim)
         are the forces at `u`.
         """
-        if self._plan is None:
-            self._plan = self._planned(low, high)
+        if self._plan is None or self._planned_for is not low:
+            self._plan, self._planned_for = self._planned(low, high), low
         at, slot, left, right, flipped, both = self._plan
         chains = np.concatenate([np.eye(self.dim)[None], *(self._rates(grip, u) for grip in self.grips)])
         made = chains[left].swapaxes(1, 2) @ blocks[:, :, at].transpose(2, 0, 1) @ chains[right]

@@ -27,6 +27,8 @@ class Inertia:
     kind : {"consistent", "lumped"} or ndarray, shape (n_nodes,)
         Consistent: what the displacements of the elements between their nodes say. Lumped: the same mass at the nodes
         alone. Or the mass of each node.
+    about : ndarray, shape (rows, dim), optional
+        Displacements at which what follows rigid grips is carried to them; None is the rest state.
 
     Attributes
     ----------
@@ -43,7 +45,7 @@ class Inertia:
         A sheet of unknown density, or no mass at all.
     """
 
-    def __init__(self, system: System, kind: str | Array = "consistent") -> None:
+    def __init__(self, system: System, kind: str | Array = "consistent", about: Array | None = None) -> None:
         from scipy.sparse import coo_matrix
 
         self.system = system
@@ -60,6 +62,9 @@ class Inertia:
         self.blocks = np.zeros((system.dim, system.dim, plan.count))
         for axis in range(system.dim):
             self.blocks[axis, axis] = count
+        if system.grips is not None:
+            none = np.zeros_like(system.rest)
+            system.grips.condense(self.blocks, plan.low, plan.high, none if about is None else about, none, 0.0)
         self.matrix = system.matrix(self.blocks)
 
     @property

@@ -204,6 +204,18 @@ def test_the_unit_of_length_does_not_matter() -> None:
     assert found[1][2] == pytest.approx(found[0][2], abs=1e-8)
 
 
+def test_masses_of_a_link_move_with_it() -> None:
+    """A dumb-bell of two masses on a pin and a spring: omega^2 = k r^2 / (inertia about the pin)."""
+    m = kg.Model(dim=2)
+    a, b, c = m.add(kg.Node(-2, 0), kg.Node(1, 0), kg.Node(1, -3))
+    m.add(kg.Bar(b, c, 6.0), kg.Fix(c), kg.Mass(a, 0.5), kg.Mass(b, 2.0))
+    m.add(kg.Grip([a, b], (0, 0, 0), (0, 0, None)))
+    value = kg.Eigen(m, n=1, mass="lumped").run().values[0]
+    assert value == pytest.approx((6.0 / 3) * 1.5**2 / (0.5 * 1.5**2 + 2.0 * 1.5**2), rel=1e-9)
+    with pytest.raises(kg.ModelError, match="inertia that changes as it turns"):
+        kg.Dynamics(m, end=1.0, step=0.1).run()
+
+
 # ---- bad input
 
 

@@ -34,6 +34,11 @@ class DynamicsRun(Run):
         self.recorders = tuple(recorders)
         self.checkpoint: Checkpoint | None = None
         self.bar = ProgressBar(False, "")
+        if self.system.grips is not None:
+            raise ModelError(
+                "Dynamics: a Grip or RigidLink has an inertia that changes as it turns, which no scheme here knows; "
+                "drive nodes by Turn or Prescribe, or hold them together by stiff bars"
+            )
         self.inertia = Inertia(self.system, settings.mass)
         self.motion = Motion(
             self.system, self.inertia, self.factorize, settings.damping, settings.tol, self._count_correction
