@@ -32,7 +32,6 @@ from shapely import LineString, Point, Polygon, box
 from shapely.affinity import rotate
 
 import kirigami as kg
-from kirigami.study.accuracy import ALIKE
 from kirigami.study.grips import find_grips
 from kirigami.study.mesh_choice import shape_distance
 from kirigami.study.stretch import default_mesh, held_model

@@ -31,7 +31,6 @@ if TYPE_CHECKING:
 FEW = 50  # facets below which a mesh is too small to have a pattern
 BIAS = 0.2  # unevenness of stiffness over the directions, before relaxation, that is worth a warning
 FOLD_BIAS = 0.3  # the same of bending and twisting, which meshes without a pattern make uneven by a quarter at worst
-FREE = 0.1  # stiffness lost at free edges that is worth a warning
 
 
 def sheet_parts(
@@ -126,22 +125,13 @@ def _warn_of_bias(mesh: TriMesh, rung: str, nu: float, dim: int) -> None:
     bounds = dict.fromkeys(ranges, BIAS)
     if dim == 3:
         ranges |= {"bending": bias.bending, "twisting": bias.twisting}
-    told = _warn(ranges, bounds, "bars and hinges on it represent", "of what they should before they relax", advice)
-    free = bias.free_stretching
-    if not told and free is not None and free[0] < 1 - FREE:
-        warnings.warn(
-            f"bars lose stiffness at the free edges of this mesh: pulled with its edges free, it represents "
-            f"{free[0]:.2f} to {free[1]:.2f} times the sheet's, by direction. Use a finer mesh, or stiffness='facet' "
-            "or 'shell', which lose none; kirigami.stiffness.report(mesh) has the numbers",
-            KirigamiWarning,
-            stacklevel=4,
-        )
+    _warn(ranges, bounds, "bars and hinges on it represent", "of what they should before they relax", advice)
 
 
 def _warn(
     ranges: dict[str, tuple[float, float]], bounds: dict[str, float], who: str, what: str, advice: str
-) -> bool:
-    """Tell the ranges that leave their bound, which is FOLD_BIAS where none is given; returns whether there are any."""
+) -> None:
+    """Tell the ranges that leave their bound, which is FOLD_BIAS where none is given."""
     off = {
         name: (low, high)
         for name, (low, high) in ranges.items()
@@ -155,7 +145,6 @@ def _warn(
             KirigamiWarning,
             stacklevel=5,
         )
-    return bool(off)
 
 
 def _fold_stiffness(mesh: TriMesh, constants: SheetConstants) -> list[tuple[FoldEdges, NDArray[np.int64], Array]]:

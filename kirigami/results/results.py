@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
@@ -21,6 +22,7 @@ from kirigami.results.supports import carried_by
 
 if TYPE_CHECKING:
     from kirigami.results.drives import Drive
+    from kirigami.results.error import ErrorBar
     from kirigami.system.system import System
 
 
@@ -107,7 +109,7 @@ class Results(ModelRecord):
     def append(self, step: Step) -> None:
         """Store one more step; derived quantities are computed anew when asked for."""
         self.steps.append(step)
-        for name in ("lam", "u", "time", "velocity", "_row_gradients", "energy", "_told"):
+        for name in ("lam", "u", "time", "velocity", "_row_gradients", "energy", "_told", "error"):
             self.__dict__.pop(name, None)
 
     @cached_property
@@ -449,6 +451,22 @@ class Results(ModelRecord):
             raise AnalysisError("open_area needs a model made by Model.from_mesh", results=self)
         return open_area(self.position(), self.mesh.cuts, union=require_boolean(union, "union", "open_area"))
 
+    @cached_property
+    def error(self) -> ErrorBar:
+        """Estimated relative errors, each (s,): ``error["force"]``, ``error["open_area"]`` and ``error["height"]``.
+
+        What mesh, rung and tolerance make of them; see :class:`kirigami.results.error.ErrorBar`. It is computed when
+        first asked for, at the price of a few factorisations.
+
+        Raises
+        ------
+        AnalysisError
+            Not of a sheet; or of bars, hinges or flat facets on a mesh that was not drawn flat.
+        """
+        from kirigami.results.error import estimated_error
+
+        return estimated_error(self)
+
     # ---- looking
 
     def summary(self) -> str:
@@ -474,12 +492,23 @@ class Results(ModelRecord):
             f"{stats['iterations']} iterations, {stats['factorizations']} factorizations "
             f"({stats['backend'] or 'none'}), {stats['cutbacks']} cutbacks, {stats['relaxations']} relaxations"
         )
-        lines += [f"event: {event}" for event in self.events] + self.shape_words
+        lines += [f"event: {event}" for event in self.events] + self.shape_words + self._worth()
         seconds = stats["seconds"]
         total = seconds.get("total", sum(seconds.values()))
         parts = sorted(((name, value) for name, value in seconds.items() if name != "total"), key=lambda p: -p[1])
         lines.append(f"{total:.2f} s: " + ", ".join(f"{name} {value:.2f}" for name, value in parts))
         return "\n".join(lines)
+
+    def _worth(self) -> list[str]:
+        """The error bar, and what is to be doubted, in words."""
+        from kirigami.results.doubts import doubts
+
+        if self.mesh is None or not self.steps:
+            return []
+        told = []
+        with suppress(AnalysisError):  # no estimate for what is no sheet
+            told.append(str(self.error))
+        return told + [f"note: {words}" for words in doubts(self)]
 
     def __repr__(self) -> str:
         span = f", load factor {self.steps[0].lam:.6g} to {self.steps[-1].lam:.6g}" if self.steps else ""
@@ -502,6 +531,7 @@ class Results(ModelRecord):
     curvature = deferred("kirigami.results.measures:curvature")
     stress = deferred("kirigami.results.stress:sheet_stress")
     energy_shares = deferred("kirigami.results.measures:energy_shares")
+    energy_release = deferred("kirigami.results.fracture:energy_release")
 
     # ---- files
 

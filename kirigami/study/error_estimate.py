@@ -1,12 +1,7 @@
 """Where a mesh is too coarse: an estimate of the error of each facet, and the mesh sizes that follow from it.
 
-Strain and curvature jump from facet to facet; the exact ones do not. Their nodal means, interpolated linearly, are
-nearer to the truth, and the difference in the norm of the elastic energy,
-
-    eta_f^2 = integral over the facet of t de : C : de / 2 + dk : D : dk / 2,
-
-is taken for the error (Zienkiewicz and Zhu, 1987). Nodes on the two lips of a cut are different nodes, so nothing is
-averaged across cuts.
+The difference between the deformation and a smoother one (:mod:`kirigami.results.recovery`) in the norm of the elastic
+energy, eta_f^2 = integral over the facet of t de : C : de / 2 + dk : D : dk / 2, is taken for the error.
 """
 
 from __future__ import annotations
@@ -19,12 +14,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kirigami.errors import AnalysisError, ModelError
+from kirigami.post.shape import check_flat
 from kirigami.primitives.checks import require_instance, require_positive, require_whole
+from kirigami.results.recovery import Recovery
 from kirigami.results.results import Results
 
 if TYPE_CHECKING:
     from kirigami.geometry.mesh import TriMesh
-    from kirigami.results.stress import SheetStress
 
 Floats = NDArray[np.float64]
 
@@ -212,23 +208,20 @@ def estimate_error(results: Results, step: int = -1) -> ErrorEstimate:
     step = require_whole(step, "step", "estimate_error")
     if results.mesh is None:
         raise AnalysisError("estimate_error needs a model made by Model.from_mesh", results=results)
-    stress = results.stress(step)
-    membrane, bending = _jumps(stress, results.mesh)
-    energy = float((stress.membrane_energy + stress.bending_energy).sum())
+    check_flat(results.mesh, "estimate_error")
+    if results.thickness is None or results.material is None:
+        raise ModelError("estimate_error: the thickness or the material of the sheet is unknown")
+    step = results.step_number(step, "estimate_error")
+    recovery = Recovery(results, results.mesh)
+    state = recovery.state(results[step])
+    fields = recovery.fields(results[step], state)
+    beyond = recovery.smooth(fields) - fields
+    membrane, bending = (0.5 * part for part in recovery.work(beyond, beyond))
+    if state is not None:
+        energy = float((state.membrane_energy + state.bending_energy).sum())
+    else:
+        energy = 0.5 * float(sum(part.sum() for part in recovery.work(fields, fields)))
     return ErrorEstimate(results, step, membrane + bending, membrane, bending, energy)
-
-
-def _jumps(stress: SheetStress, mesh: TriMesh) -> tuple[Floats, Floats]:
-    """Energies (m,) of what lies between facets and smoothed strain, and between facets and smoothed curvature."""
-    sections = stress.sections
-    found = []
-    for tensor, rigidity in ((stress.strain, sections[:, :3, :3]), (stress.curvature, sections[:, 3:, 3:])):
-        flat = np.stack([tensor[:, 0, 0], tensor[:, 1, 1], 2 * tensor[:, 0, 1]], axis=1)
-        corners = _interpolated(mesh.nodal_mean(flat), mesh)
-        middles = 0.5 * (corners + corners[:, [1, 2, 0]]) - flat[:, None]  # exact quadrature of a square
-        density = 0.5 * np.einsum("mki,mij,mkj->mk", middles, rigidity, middles)
-        found.append(mesh.facet_areas * density.mean(axis=1))
-    return found[0], found[1]
 
 
 def _interpolated(nodal: Floats, mesh: TriMesh) -> Floats:

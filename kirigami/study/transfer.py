@@ -10,6 +10,7 @@ from collections.abc import Iterable
 
 import numpy as np
 import shapely
+from numpy.typing import NDArray
 
 from kirigami.analysis.path.methods import DisplacementControl
 from kirigami.elements.shell_rest import bulges, corner_normals
@@ -22,6 +23,7 @@ from kirigami.results.step import Step
 from kirigami.study.shapes import _barycentric
 from kirigami.system.system import System
 
+Index = NDArray[np.int64]
 INWARD = 1e-3  # share of the way to the middle of its facet from where the place of a corner is looked up
 
 
@@ -59,12 +61,12 @@ def carried(results: Results, step: int, mesh: TriMesh) -> Array:
     return np.asarray(moved / np.bincount(mesh.triangles.ravel(), minlength=len(mesh.nodes))[:, None])
 
 
-def _edge_numbers(triangles: Array) -> Array:
+def _edge_numbers(triangles: Index) -> Index:
     pairs = np.sort(np.stack([triangles, np.roll(triangles, -1, axis=1)], axis=2).reshape(-1, 2), axis=1)
     return np.asarray(np.unique(pairs, axis=0, return_inverse=True)[1].reshape(-1, 3))
 
 
-def _holding(mesh: TriMesh, points: Array) -> Array:
+def _holding(mesh: TriMesh, points: Array) -> Index:
     """The facet (p,) in which each point (p, 2) lies, or the nearest."""
     tree = shapely.STRtree(shapely.polygons(mesh.nodes[mesh.triangles][:, :, :2]))
     places = shapely.points(points)

@@ -77,8 +77,8 @@ def heavy() -> kg.Model:
 
 
 @cache
-def slit_opened() -> Any:
-    m = kg.Model.from_mesh(sheet().mesh(0.3), dim=2)
+def slit_opened(rung: str = "plate") -> Any:
+    m = kg.Model.from_mesh(sheet().mesh(0.3), stiffness=rung, dim=2)
     m.add(kg.Fix(m.select(boundary="bottom")), kg.Prescribe(m.select(boundary="top"), x=0, y=0.05))
     return kg.DisplacementControl(m, step=0.5).run()
 
@@ -296,6 +296,7 @@ CALLS: dict[str, Callable[[], Call]] = {
     "Results.curvature": lambda: (results().curvature, {}),
     "Results.deformation": lambda: (results().deformation, {"name": "bars"}),
     "Results.force": lambda: (results().force, {"name": "bars"}),
+    "Results.energy_release": lambda: (slit_opened("facet").energy_release, {"cut": 0}),
     "Results.energy_shares": lambda: (results().energy_shares, {}),
     "Results.height": lambda: (results().height, {}),
     "Results.node_index": lambda: (results().node_index, {"nodes": [0, 1]}),

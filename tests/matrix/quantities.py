@@ -95,6 +95,10 @@ QUANTITIES: dict[str, Quantity] = {
         lambda r, c: r.stress().principal("top").reshape(len(r), -1), "members", force=1, length=-2, served=sheets(),
         flat=True,
     ),
+    "error": Quantity(
+        lambda r, c: np.nan_to_num(np.stack([r.error[name] for name in r.error]), nan=-1.0), served=sheets(),
+        flat=True, order=None,
+    ),
     "thickness": Quantity(lambda r, c: np.array(r.thickness or 0.0), length=1, order=0),
 }  # fmt: skip
 
@@ -108,6 +112,7 @@ NO_QUANTITY: dict[str, str] = {
     **dict.fromkeys(["model", "material", "bars", "grips"], "hands out what the run was made of"),
     **dict.fromkeys(["time", "velocity", "moves"], "of a motion; tested in test_dynamics.py"),
     **dict.fromkeys(["residual", "summary"], "tells how the computation went, which differs in rounding"),
+    **dict.fromkeys(["energy_release"], "of slits, which these have none of; in mechanics/test_energy_release.py"),
     **dict.fromkeys(["plot", "plot_curve", "plot_stress", "animate"], "pictures, tested in test_plot.py"),
     **dict.fromkeys(
         ["save", "to_csv", "to_html", "to_surface", "to_vtk", "to_xarray"], "files, in test_exporters.py"

@@ -1,0 +1,110 @@
+"""What no number of a run says of itself, told once in words: where a sheet is beyond what the model knows of it.
+
+All such judgements stand here; :meth:`kirigami.Results.summary` and the report tell them. What a mesh is too coarse for
+is warned of where it is made (:mod:`kirigami.geometry.sizing`).
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from kirigami.elements.mesh_bias import MeshBias
+from kirigami.post.shape import principal_values
+from kirigami.primitives.kernel import Array
+from kirigami.results.fracture import tips
+from kirigami.results.recovery import BENDING, MEMBRANE, Recovery
+from kirigami.results.results import Results
+
+if TYPE_CHECKING:
+    from kirigami.geometry.mesh import TriMesh
+
+THICK = 0.2  # thickness over the width of a ligament beyond which shear bends it as well: 1 to 2 % at 0.2
+ELASTIC = 0.05  # strain beyond which hardly any sheet is linear
+SHARE = 0.01  # of the area of the sheet that must be strained so much
+FREE = 0.1  # stiffness lost at free edges that is worth a word
+BARS = ("paper", "plate", "calibration")  # rungs that lose stiffness there
+
+
+def doubts(results: Results) -> list[str]:
+    """Sentences on what is to be doubted in results, none where nothing is; of a model without a mesh always none.
+
+    Examples
+    --------
+    >>> import kirigami as kg, shapely
+    >>> slit = shapely.LineString([(0.1, 0.5), (0.9, 0.5)])
+    >>> sheet = kg.Sheet(shapely.box(0, 0, 1, 1), slit, thickness=0.05, material=kg.Material(1e6))
+    >>> m = kg.Model.from_mesh(sheet.mesh(nodes=300), stiffness="shell")
+    >>> top = m.select(boundary="top")
+    >>> held = m.add(kg.Fix(m.nodes, "z"), kg.Fix(m.select(boundary="bottom"), "xy"), kg.Prescribe(top, x=0, y=0.01))
+    >>> print(*doubts(kg.LinearStatic(m).run()), sep="\\n")
+    the narrowest ligament is 0.1 wide, 2 times the thickness: thin-sheet theory leaves out its shear
+    the largest strain, at a tip of a slit, is the mesh's and grows with every finer one; energy_release(cut) converges
+    """
+    mesh = results.mesh
+    if mesh is None:
+        return []
+    told = [*_ligaments(results, mesh), *_free_edges(results, mesh)]
+    if len(results) and results.thickness is not None and results.material is not None:
+        told += _strain(results, mesh)
+    if any(tips(mesh, cut) for cut in range(len(mesh.cuts))):
+        told.append(
+            "the largest strain, at a tip of a slit, is the mesh's and grows with every finer one; energy_release(cut) "
+            "converges"
+        )
+    return told
+
+
+def _ligaments(results: Results, mesh: TriMesh) -> list[str]:
+    sizing, thickness = mesh.sizing, results.thickness
+    if sizing is None or not sizing.ligaments:
+        return []
+    told = []
+    if sizing.coarse:
+        told.append(
+            f"the worst ligament, {sizing.width:.3g} wide at ({sizing.place[0]:.4g}, {sizing.place[1]:.4g}), has "
+            f"{sizing.facets_across:g} facets across"
+        )
+    if thickness is not None and thickness > THICK * sizing.narrowest:
+        told.append(
+            f"the narrowest ligament is {sizing.narrowest:.3g} wide, {sizing.narrowest / thickness:.2g} times the "
+            "thickness: thin-sheet theory leaves out its shear"
+        )
+    return told
+
+
+def _free_edges(results: Results, mesh: TriMesh) -> list[str]:
+    constants = results.sheet_constants
+    if constants is None or constants.rung not in BARS:
+        return []
+    free = MeshBias(mesh).free_stretching
+    if free is None or free[0] >= 1 - FREE:
+        return []
+    return [
+        f"bars lose stiffness at the free edges of this mesh: pulled with its edges free, it represents {free[0]:.2f} "
+        f"to {free[1]:.2f} times the sheet's, by direction; stiffness='facet' and 'shell' lose none"
+    ]
+
+
+def _strain(results: Results, mesh: TriMesh) -> list[str]:
+    """Whether more than a small share of the sheet is strained beyond what is elastic, at the last step."""
+    recovery = Recovery(results, mesh)
+    step = results[-1]
+    fields = recovery.fields(step, recovery.state(step)).mean(axis=1)
+    half = 0.5 * float(np.max(results.thickness))  # type: ignore[arg-type]
+    largest = np.max([_principal(fields[:, MEMBRANE] + z * fields[:, BENDING]) for z in (-half, half)], axis=0)
+    order = np.argsort(largest)
+    below = np.cumsum(recovery.area[order])
+    reached = float(largest[order][np.searchsorted(below, (1 - SHARE) * below[-1])])
+    if reached <= ELASTIC:
+        return []
+    return [
+        f"{100 * SHARE:g} % of the sheet is strained by more than {100 * reached:.2g} % at the last step: hardly any "
+        "material is linear there, as this law is"
+    ]
+
+
+def _principal(strain: Array) -> Array:
+    """Largest size of the principal strains (m,) of strains (m, 3)."""
+    return np.asarray(np.abs(principal_values(strain[:, 0], strain[:, 1], 0.5 * strain[:, 2])).max(axis=1))

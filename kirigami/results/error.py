@@ -1,0 +1,304 @@
+"""What results are worth: an estimated relative error of force, open area and height at every stored step.
+
+Three parts, each estimated from the stored states alone:
+
+* *the mesh's*. The force is conjugate to the displacement that drives it, so that its relative error is that of the
+  energy: the energy of what lies between the deformation and a smoother one (:mod:`kirigami.results.recovery`) over the
+  energy stored. Of another quantity J it is the work that this does on the same of the dual state z, K z = dJ/du with
+  the tangent stiffness K at the step (Becker and Rannacher, 2001), facet by facet: its sum, and a share of the sum of
+  its sizes for what has cancelled. The edge of a cut is an arc where the area takes its chord: that is added.
+* *the rung's*. Bars and hinges, and flat facets, do not store the energy that the theory of plates gives to their
+  deformation; to first order the force and J are off by the difference. Shell facets obey the theory.
+* *the tolerance's*: the unbalanced force over the reactions.
+
+The first two are multiplied by `SAFETY`, calibrated by benchmarks/error_bar.py. What no estimate sees is said
+in words by :mod:`kirigami.results.doubts`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from kirigami.errors import AnalysisError
+from kirigami.linalg import SingularMatrixError
+from kirigami.primitives.kernel import Array
+from kirigami.results.recovery import BENDING, MEMBRANE, Recovery
+from kirigami.results.results import Results
+from kirigami.results.sheet_state import SheetState
+from kirigami.results.step import Step
+from kirigami.results.tangent import StoredTangent
+
+if TYPE_CHECKING:
+    from kirigami.geometry.mesh import TriMesh
+
+SAFETY = 1.5  # times the estimate
+CANCELLED = 0.2  # share of what cancels over the sheet that is counted all the same
+DUALS = 4  # steps whose tangent is factored; the others lie between
+NOTHING = 1e-12  # energy over the largest below which a state says nothing of its error
+
+_Goal = Callable[[Recovery, Step], tuple[Array, float]]
+
+
+@dataclass(frozen=True, eq=False)
+class ErrorBar(Mapping[str, Array]):
+    """Estimated relative errors, ``error["force"]``, ``error["open_area"]`` and ``error["height"]``, each (s,).
+
+    Of the force at the displacement there, or where a load is given of its displacement, over the stated value; of
+    heights and areas over the largest on the path; nan where there is no height, or no cut.
+
+    Attributes
+    ----------
+    total : dict of ndarray, each (s,)
+        The error bar by quantity.
+    mesh, rung : dict of ndarray, each (s,)
+        The parts of mesh and rung, with their safety; what they have of each other's opposite sign cancels in part.
+    tolerance : ndarray, shape (s,)
+        The part of the tolerance, of every quantity.
+
+    Examples
+    --------
+    >>> import kirigami as kg, shapely
+    >>> sheet = kg.Sheet(shapely.box(0, 0, 1, 1), shapely.LineString([(0.3, 0.5), (0.7, 0.5)]), 0.01, kg.Material(1e6))
+    >>> m = kg.Model.from_mesh(sheet.mesh(nodes=200), stiffness="shell")
+    >>> top = m.select(boundary="top")
+    >>> held = m.add(kg.Fix(m.nodes, "z"), kg.Fix(m.select(boundary="bottom"), "xy"), kg.Prescribe(top, x=0, y=1e-3))
+    >>> error = kg.LinearStatic(m).run().error
+    >>> bool(0.001 < error["force"][-1] < 0.02), list(error)
+    (True, ['force', 'open_area', 'height'])
+    """
+
+    total: dict[str, Array]
+    mesh: dict[str, Array]
+    rung: dict[str, Array]
+    tolerance: Array
+
+    def __getitem__(self, quantity: str) -> Array:
+        return self.total[quantity]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self.total)
+
+    def __len__(self) -> int:
+        return len(self.total)
+
+    def __str__(self) -> str:
+        told = []
+        for name in self:
+            total = self[name]
+            if len(total) and np.isfinite(total[-1]):
+                parts = f"mesh {_percent(self.mesh[name][-1])}, rung {_percent(self.rung[name][-1])}"
+                told.append(f"{name.replace('_', ' ')} {_percent(total[-1])} ({parts})")
+        return "estimated error at the last step: " + ", ".join(told)
+
+    __repr__ = __str__
+
+
+def _percent(share: float) -> str:
+    return f"{100 * share:.2g} %"
+
+
+def estimated_error(results: Results) -> ErrorBar:
+    """The error bar of results; see :class:`ErrorBar`.
+
+    Raises
+    ------
+    AnalysisError
+        The model was not made from a mesh with a thickness and a material; or it has bars, hinges or flat facets on a
+        mesh that was not drawn flat, whose curvature is not known.
+    """
+    mesh = results.mesh
+    if mesh is None or results.thickness is None or results.material is None:
+        raise AnalysisError(
+            "the error is estimated of sheets: of a model made by Model.from_mesh, with thickness and material",
+            results=results,
+        )
+    recovery = Recovery(results, mesh)
+    if not recovery.complete and results.dim == 3:
+        raise AnalysisError(
+            "the error of bars, hinges and flat facets is estimated on meshes that were drawn flat; of "
+            "stiffness='shell' on any",
+            results=results,
+        )
+    force, of_mesh, of_rung = _of_force(results, recovery)
+    quantities = {"open_area": _opening, "height": _heights}
+    meshes, rungs = {"force": of_mesh}, {"force": of_rung}
+    scales = {"open_area": _largest_area(results, mesh), "height": _largest_height(results)}
+    chosen = np.unique(np.linspace(min(1, len(results) - 1), len(results) - 1, DUALS).round().astype(int))
+    found: dict[str, list[tuple[float, float]]] = {name: [] for name in quantities if scales[name] > 0}
+    for number in chosen.tolist() if found and len(results) else ():
+        step = results[number]
+        for name, errors in zip(found, _of_goals(recovery, step, [quantities[name] for name in found])):
+            found[name].append((errors[0] / scales[name], errors[1] / scales[name]))
+    for name in quantities:
+        if name in found:
+            values = np.array(found[name]).reshape(-1, 2).T
+            meshes[name], rungs[name] = (_between(chosen, column, len(results)) for column in values)
+        else:
+            meshes[name] = rungs[name] = np.full(len(results), np.nan)
+    tolerance = _unbalanced(results)
+    total = {"force": force + tolerance} | {name: meshes[name] + rungs[name] + tolerance for name in quantities}
+    return ErrorBar(total, meshes, rungs, tolerance)
+
+
+def _of_force(results: Results, recovery: Recovery) -> tuple[Array, Array, Array]:
+    """The error of the force at every step, and the parts of mesh and rung in it: too coarse a mesh is too stiff, and a
+    rung that stores less than it should is too soft."""
+    stored = np.sum(list(results.energy.values()), axis=0) if results.energy else np.zeros(len(results))
+    lost, off = np.zeros(len(results)), np.zeros(len(results))
+    for number, step in enumerate(results.steps):
+        state = recovery.state(step)
+        fields = recovery.fields(step, state)
+        smooth = recovery.smooth(fields)
+        lost[number] = 0.5 * sum(part.sum() for part in recovery.work(smooth - fields, smooth - fields))
+        if state is not None:
+            plate = _as_plate(recovery, fields, smooth, fields, smooth)
+            off[number] = 0.5 * plate - state.membrane_energy.sum() - state.bending_energy.sum()
+    known = stored > NOTHING * stored.max(initial=0.0)
+    both = np.abs(lost - off) + CANCELLED * np.minimum(lost, np.maximum(off, 0.0))
+    shares = [
+        SAFETY * _filled(np.where(known, np.abs(part) / np.where(known, stored, 1.0), np.nan))
+        for part in (both, lost, off)
+    ]
+    return shares[0], shares[1], shares[2]
+
+
+def _as_plate(recovery: Recovery, fields: Array, smooth: Array, rate: Array, smooth_rate: Array) -> float:
+    """Work of the stress that plate theory makes of a deformation on another: of the strain as it is, and of the smooth
+    curvature, since angles at edges jump."""
+    one, other = fields.copy(), rate.copy()
+    one[..., BENDING], other[..., BENDING] = smooth[..., BENDING], smooth_rate[..., BENDING]
+    return float(sum(part.sum() for part in recovery.work(one, other)))
+
+
+def _of_goals(recovery: Recovery, step: Step, goals: list[_Goal]) -> list[tuple[float, float]]:
+    """Errors of mesh and rung in quantities at a step; nan where the tangent is singular."""
+    results = recovery.results
+    try:
+        tangent = StoredTangent(results, step)
+    except SingularMatrixError:
+        return [(float("nan"), float("nan"))] * len(goals)
+    state = recovery.state(step)
+    fields = recovery.fields(step, state)
+    smooth = recovery.smooth(fields)
+    found = []
+    for goal in goals:
+        load, chord = goal(recovery, step)
+        dual = tangent.solve(load)
+        rate = recovery.rate(step, dual)
+        smooth_rate = recovery.smooth(rate)
+        work = np.concatenate(recovery.work(smooth - fields, smooth_rate - rate))
+        mesh = abs(float(work.sum())) + CANCELLED * float(np.abs(work).sum()) + chord
+        rung = 0.0
+        if state is not None:
+            rung = abs(_as_plate(recovery, fields, smooth, rate, smooth_rate) - _borne(recovery, state, rate))
+        found.append((SAFETY * mesh, SAFETY * rung))
+    return found
+
+
+def _borne(recovery: Recovery, state: SheetState, rate: Array) -> float:
+    """Work of the forces and moments of the elements on a deformation."""
+    turn = recovery.reader.turn
+    total = 0.0
+    for tensor, part in ((state.force, MEMBRANE), (state.moment, BENDING)):
+        local = turn @ tensor @ turn.transpose(0, 2, 1)
+        flat = np.stack([local[:, 0, 0], local[:, 1, 1], local[:, 0, 1]], axis=1)
+        total += float((recovery.area[:, None] * flat * rate[..., part].mean(axis=1)).sum())
+    return total
+
+
+# ---- quantities: their derivative by the displacements (rows, dim), and what chords of curved edges leave out of them
+
+
+def _opening(recovery: Recovery, step: Step) -> tuple[Array, float]:
+    results, mesh = recovery.results, recovery.mesh
+    rows = len(results.rest) + len(results.inner_rest)
+    gradient = np.zeros((rows, results.dim))
+    place = (results.rest + step.u)[:, :2]
+    middle = _middles(recovery, step)
+    left_out = 0.0
+    for cut in mesh.cuts:
+        loop = np.asarray(cut.loop)
+        after, before = place[np.roll(loop, -1)], place[np.roll(loop, 1)]
+        area = 0.5 * float((place[loop, 0] * after[:, 1] - after[:, 0] * place[loop, 1]).sum())
+        if area <= 0:
+            continue
+        across = 0.5 * np.column_stack([after[:, 1] - before[:, 1], before[:, 0] - after[:, 0]])
+        for axis in (0, 1):
+            np.add.at(gradient[:, axis], loop, across[:, axis])
+        for i, j, chord in zip(loop.tolist(), np.roll(loop, -1).tolist(), after - place[loop]):
+            bulge = middle.get((min(i, j), max(i, j)))
+            if bulge is not None:
+                left_out += 2 / 3 * float(bulge[0] * chord[1] - bulge[1] * chord[0])  # of a parabola over its chord
+    return gradient, abs(left_out)
+
+
+def _heights(recovery: Recovery, step: Step) -> tuple[Array, float]:
+    results = recovery.results
+    gradient = np.zeros((len(results.rest) + len(results.inner_rest), results.dim))
+    heights = results.rest[:, 2] + step.u[:, 2]
+    gradient[int(heights.argmax()), 2] += 1.0
+    gradient[int(heights.argmin()), 2] -= 1.0
+    return gradient, 0.0
+
+
+def _middles(recovery: Recovery, step: Step) -> dict[tuple[int, int], Array]:
+    """How far the middle of each rim edge of shell facets lies from its chord, by the ends of the edge."""
+    if recovery.shell is None or not len(step.inner):
+        return {}
+    results, conn = recovery.results, recovery.shell.conn
+    count = len(results.rest)
+    rim = {(min(i, j), max(i, j)) for i, j in recovery.mesh.edges[recovery.mesh.boundary_edges].tolist()}
+    found = {}
+    for start, end, middle in ((0, 1, 3), (1, 2, 4), (2, 0, 5)):
+        for i, j, row in conn[:, [start, end, middle]].tolist():
+            key = (min(i, j), max(i, j))
+            if key in rim:
+                found[key] = results.inner_rest[row - count] + step.inner[row - count][: results.dim]
+    return found
+
+
+def _largest_area(results: Results, mesh: TriMesh) -> float:
+    if not mesh.cuts:
+        return 0.0
+    return float(np.maximum(results.open_area(), 0.0).sum(axis=1).max(initial=0.0))
+
+
+def _largest_height(results: Results) -> float:
+    if results.dim == 2 or not len(results) or results.mesh is None:
+        return 0.0
+    largest = float(results.height().max())
+    return largest if largest > NOTHING * results.mesh.size else 0.0
+
+
+# ---- steps without a number of their own
+
+
+def _filled(share: Array) -> Array:
+    """States that store nothing are as wrong as the next one that does."""
+    known = np.flatnonzero(np.isfinite(share))
+    if not known.size:
+        return np.zeros_like(share)
+    following = np.searchsorted(known, np.arange(len(share))).clip(max=len(known) - 1)
+    return np.asarray(share[known[following]])
+
+
+def _between(steps: Array, values: Array, count: int) -> Array:
+    """Values at all steps, from those at some; their logarithms are interpolated."""
+    known = np.isfinite(values)
+    if not known.any():
+        return np.full(count, np.nan)
+    floor = NOTHING
+    logs = np.log(np.maximum(values[known], floor))
+    found = np.exp(np.interp(np.arange(count), steps[known], logs))
+    return np.where(found > 2 * floor, found, 0.0)
+
+
+def _unbalanced(results: Results) -> Array:
+    """Unbalanced force over the reactions at every step, over the forces of the elements where there are none."""
+    share = np.array([step.residual_over_reaction for step in results.steps])
+    share = np.where(np.isfinite(share), share, results.residual)
+    return np.where(np.isfinite(share), share, 0.0)

@@ -1,0 +1,172 @@
+"""Smoother strain and curvature than the elements have, and the energy of what lies between the two.
+
+What elements say of strain and curvature jumps from facet to facet; the exact ones do not. Their means over the facets
+round each node, linear in between, are nearer to the truth, and the difference is taken for the error (Zienkiewicz and
+Zhu, 1987). Nothing is averaged across cuts, whose lips have nodes of their own, across folds, or between facets of
+different section.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kirigami.elements.shell_kernel import ShellFacetKernel
+from kirigami.elements.triangle import SurfaceStrain, section_matrices
+from kirigami.primitives.kernel import Array
+from kirigami.results.results import Results
+from kirigami.results.sheet_state import SheetState, StateReader, placed
+from kirigami.results.step import Step
+
+if TYPE_CHECKING:
+    from kirigami.geometry.mesh import TriMesh
+
+Index = NDArray[np.int64]
+FLAT = 1e-9  # largest height of a flat mesh over its size
+MEMBRANE, BENDING = slice(0, 3), slice(3, 6)
+ENGINEERING = np.array([1.0, 1.0, 2.0])
+
+
+class Recovery:
+    """Deformation of a sheet at the corners of its facets, and how far it is from a smooth one.
+
+    Fields have the shape (m, 3, 6): at the three corners of every facet (exx, eyy, gamma_xy, kxx, kyy, 2 kxy), the
+    first axis along the edge from its first corner to its second.
+
+    Attributes
+    ----------
+    area : ndarray, shape (m,)
+        Areas of the facets at rest [length^2].
+    section : ndarray, shape (m, 6, 6)
+        Forces and moments per length of a unit deformation, by plate theory.
+    patch : ndarray of int, shape (m, 3)
+        Which corners of facets share their smooth values.
+    """
+
+    def __init__(self, results: Results, mesh: TriMesh) -> None:
+        self.results, self.mesh = results, mesh
+        self.surface = SurfaceStrain(results.rest, mesh.triangles)
+        self.area = self.surface.area
+        shells = [kernel for kernel in results.kernels if isinstance(kernel, ShellFacetKernel)]
+        self.shell: ShellFacetKernel | None = shells[0] if len(shells) == 1 else None
+        self.section, edge = self._sections()
+        self.patch = _patches(mesh, self.section, edge)
+        corners = results.rest[mesh.triangles]
+        along, across = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
+        first = along / np.linalg.norm(along, axis=1)[:, None]
+        second = across - (across * first).sum(axis=1)[:, None] * first
+        self.axes = np.stack([first, second / np.linalg.norm(second, axis=1)[:, None]], axis=1)  # (m, 2, 3)
+        self.weight = np.repeat(self.area, 3)
+
+    def _sections(self) -> tuple[Array, Index | None]:
+        """Sections of the facets, and the rows of their edges where folds have two."""
+        count = len(self.mesh.triangles)
+        if self.shell is not None:
+            self.row = placed(self.mesh.triangles, self.shell.conn[:, :3])
+            if (self.row >= 0).all():
+                return self.shell.section[self.row], self.shell.conn[self.row, 6:9]
+            self.shell = None
+        material, thickness = self.results.material, self.results.thickness
+        assert material is not None and thickness is not None
+        whole = section_matrices(np.full(count, thickness), np.full(count, material.E), np.full(count, material.nu))
+        return whole, None
+
+    @cached_property
+    def reader(self) -> StateReader:
+        return StateReader(self.results, self.mesh)
+
+    @property
+    def complete(self) -> bool:
+        """Whether curvature is known: of bars, hinges and flat facets only on a mesh that was drawn flat."""
+        return self.shell is not None or bool(np.ptp(self.mesh.nodes[:, 2]) <= FLAT * self.mesh.size)
+
+    def state(self, step: Step) -> SheetState | None:
+        """What the elements bear, on rungs that do not obey plate theory themselves."""
+        return None if self.shell is not None or not self.complete else self.reader.at(step)
+
+    def fields(self, step: Step, state: SheetState | None = None) -> Array:
+        """The deformation (m, 3, 6) as the elements have it at a step."""
+        if self.shell is not None:
+            told: Array = self.results.told(self.shell, step, self.shell.corner_deformation)[self.row]
+            return told
+        flat = np.zeros((len(self.area), 6))
+        flat[:, MEMBRANE] = self.surface.at(step.u, self.results.linear)
+        if state is not None:
+            turn = self.reader.turn
+            local = turn @ state.curvature @ turn.transpose(0, 2, 1)
+            flat[:, BENDING] = np.stack([local[:, 0, 0], local[:, 1, 1], 2 * local[:, 0, 1]], axis=1)
+        return np.repeat(flat[:, None], 3, axis=1)
+
+    def rate(self, step: Step, change: Array) -> Array:
+        """Change (m, 3, 6) of the deformation with a change (rows, dim) of all displacements."""
+        largest = float(np.abs(change).max(initial=0.0))
+        share = 1e-4 * self.mesh.size / largest if largest > 0 else 1.0
+        count = len(self.results.rest)
+        ends = []
+        for sign in (share, -share):
+            u, inner = step.u.copy(), step.inner.copy()
+            u[:, : self.results.dim] += sign * change[:count]
+            if len(inner):
+                inner[:, : self.results.dim] += sign * change[count:]
+            moved = replace(step, u=u, inner=inner)
+            ends.append(self.fields(moved, self.state(moved)))
+        return np.asarray((ends[0] - ends[1]) / (2 * share))
+
+    def smooth(self, fields: Array) -> Array:
+        """The smooth deformation (m, 3, 6)."""
+        mean = np.empty_like(fields)
+        for part in (MEMBRANE, BENDING):
+            xx, yy, xy = np.moveaxis(fields[..., part] / ENGINEERING, -1, 0)
+            local = np.stack([np.stack([xx, xy], axis=-1), np.stack([xy, yy], axis=-1)], axis=-2)
+            placed_tensor = self.axes.transpose(0, 2, 1)[:, None] @ local @ self.axes[:, None]
+            flat = placed_tensor.reshape(-1, 9)
+            patch = self.patch.ravel()
+            total = np.bincount(patch, self.weight)
+            means = np.stack([np.bincount(patch, self.weight * column) / total for column in flat.T], axis=1)
+            back = self.axes[:, None] @ means[self.patch].reshape(-1, 3, 3, 3) @ self.axes.transpose(0, 2, 1)[:, None]
+            mean[..., part] = np.stack([back[..., 0, 0], back[..., 1, 1], 2 * back[..., 0, 1]], axis=-1)
+        return mean
+
+    def work(self, one: Array, other: Array) -> tuple[Array, Array]:
+        """Integrals (m,) over each facet of one.C.other, of stretching and of bending; without what couples them."""
+        found = []
+        for part in (MEMBRANE, BENDING):
+            force = one[..., part] @ self.section[:, part, part]
+            both = (force * other[..., part]).sum(axis=(1, 2))
+            both += (force.sum(axis=1) * other[..., part].sum(axis=1)).sum(axis=1)
+            found.append(self.area / 12 * both)
+        return found[0], found[1]
+
+
+def _patches(mesh: TriMesh, section: Array, edge: Index | None) -> Index:
+    """Numbers (m, 3) of the patches that the corners of facets belong to."""
+    from scipy.sparse import coo_array
+    from scipy.sparse.csgraph import connected_components
+
+    triangles = mesh.triangles
+    inner = np.flatnonzero((mesh.edge_facets[:, 1] >= 0) & ~mesh.edge_folded)
+    one, two = mesh.edge_facets[inner].T
+    alike = np.abs(section[one] - section[two]).max(axis=(1, 2)) <= 1e-9 * np.abs(section[one]).max(axis=(1, 2))
+    ends = mesh.edges[inner]
+    if edge is not None:  # a crease that was added by hand has rows for each of its sides
+        sides = [_side(triangles[facet], ends) for facet in (one, two)]
+        alike &= edge[one, sides[0]] == edge[two, sides[1]]
+    one, two, ends = one[alike], two[alike], ends[alike]
+    links = []
+    for end in ends.T:
+        places = [3 * facet + np.argmax(triangles[facet] == end[:, None], axis=1) for facet in (one, two)]
+        links.append(np.stack(places, axis=1))
+    joined = np.concatenate(links)
+    size = triangles.size
+    graph = coo_array((np.ones(len(joined), np.int8), (joined[:, 0], joined[:, 1])), shape=(size, size))
+    return np.asarray(connected_components(graph, directed=False)[1].reshape(-1, 3), dtype=np.int64)
+
+
+def _side(triangles: Index, ends: Index) -> Index:
+    """Which side of each facet (k, 3) joins two of its corners (k, 2); side c runs from corner c on."""
+    sides = np.sort(np.stack([triangles, np.roll(triangles, -1, axis=1)], axis=2), axis=2)
+    return np.asarray(np.argmax((sides == np.sort(ends, axis=1)[:, None]).all(axis=2), axis=1))
