@@ -105,7 +105,7 @@ def twisted(model: kg.Model) -> tuple[Any, str]:
 
 def in_plane(model: kg.Model) -> tuple[Any, str]:
     low, high = model.select(boundary="bottom"), model.select(boundary="top")
-    model.add(kg.Fix(model.nodes, "z"), kg.Fix(low), kg.Fix(high, "x"), kg.Prescribe(high, y=0.1 * MM))
+    model.add(kg.Fix(model.nodes, "z"), kg.Fix(low, "xy"), kg.Fix(high, "x"), kg.Prescribe(high, y=0.1 * MM))
     return high, "y"
 
 

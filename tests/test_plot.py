@@ -499,3 +499,11 @@ def test_one_step_does_not_move(tmp_path: Path) -> None:
     res.append(kg.Step.at(m, 0.0, np.zeros((3, 3))))
     with pytest.raises(kg.ModelError, match="at least two stored steps"):
         res.animate(tmp_path / "still.gif")
+
+
+def test_the_band_of_a_force_curve_is_its_estimated_error(lifted: kg.Results) -> None:
+    ax = lifted.plot_curve([2, 3], "z", band=True)
+    shaded = ax.collections[0].get_paths()[0].vertices
+    force, error = lifted.reaction([2, 3], "z"), lifted.error["force"]
+    wanted = {*np.round(force * (1 - error), 12), *np.round(force * (1 + error), 12)}
+    assert {*np.round(shaded[:, 1], 12)} == wanted

@@ -205,3 +205,27 @@ def test_which_shape_the_pull_led_to_is_told(tmp_path: Path, monkeypatch: pytest
     if "page.html" in names:
         assert res.shape_words[0] in (tmp_path / "page.html").read_text(encoding="utf-8")
     assert not kg.stretch(two_slits(), strain=1e-3, nodes=60, **FLAT).shape_words
+
+
+def test_a_ligament_thinner_than_the_sheet_is_told_with_its_figure() -> None:
+    sheet = kg.Sheet(shapely.box(0, 0, 60, 100), [[(0, 50), (59.9, 50)]], 0.5, MYLAR)
+    with pytest.warns(kg.KirigamiWarning, match=r"narrowest ligament is 0\.1 wide, 0\.2 times the thickness 0\.5"):
+        res = kg.stretch(sheet, strain=1e-3, nodes=100, stiffness="facet", amplitude=0)
+    assert res.lam[-1] == 1.0 and "0.2 times the thickness" in res.summary()
+
+
+def test_a_sheet_that_no_budget_resolves_is_told_with_what_it_takes() -> None:
+    """Slits of a millimetre, one to each two: 30 nodes cannot hold them, and the message says what would."""
+    slits = [[(x, y), (x + 1, y)] for x in range(1, 12, 2) for y in range(1, 12)]
+    sheet = kg.Sheet(shapely.box(0, 0, 13, 12), slits, 0.01, MYLAR)
+    with pytest.warns(kg.KirigamiWarning) as told:
+        res = kg.stretch(sheet, strain=1e-4, nodes=30, stiffness="facet", amplitude=0)
+    words = [str(warning.message) for warning in told]
+    assert any(f"{len(res.mesh.nodes)} nodes, more than the 30 allowed" in text for text in words)
+    assert any("too coarse to bend. About" in text for text in words) and res.lam[-1] == 1.0
+
+
+def test_a_draft_does_not_warn_of_what_its_error_bar_says(recwarn: Any) -> None:
+    res = kg.stretch(two_slits(), strain=1e-3, accuracy="draft", nodes=200, amplitude=0)
+    assert not [warning for warning in recwarn if "free edges" in str(warning.message)]
+    assert "free edges" in res.summary() and res.error.rung["force"][-1] > 0.01

@@ -80,7 +80,10 @@ class Sizing:
     narrowest: float
 
     def __str__(self) -> str:
-        size = f"{self.nodes} nodes of {self.budget} allowed, edges {self.shortest:.3g} to {self.longest:.3g}"
+        size = (
+            f"{self.nodes} nodes of {self.budget} allowed, edges {self.shortest:.3g} to {self.longest:.3g} long in the "
+            "unit of the sheet"
+        )
         if not self.ligaments:
             return f"{size}; no ligaments"
         return (
@@ -292,7 +295,8 @@ def warn_of_coarse(sizing: Sizing, thickness: float | None) -> None:
     if sizing.facets_across < FEW_LAYERS:
         needed = sizing.nodes * (LAYERS / sizing.facets_across) ** 2
         warnings.warn(
-            f"the ligament of width {sizing.width:.3g} at {at} has only {sizing.facets_across:g} facets across, and "
+            f"the ligament of width {sizing.width:.3g} at {at} has only {sizing.facets_across:g} facets across (lengths "
+            "in the unit of the sheet), and "
             f"{sizing.coarse} of {sizing.ligaments} sections across ligaments have fewer than {LAYERS:g}: too coarse "
             f"to bend. About {needed:.1g} nodes would do instead of {sizing.budget}",
             KirigamiWarning,
@@ -300,8 +304,9 @@ def warn_of_coarse(sizing: Sizing, thickness: float | None) -> None:
         )
     if thickness is not None and sizing.narrowest < thickness:
         warnings.warn(
-            f"the narrowest ligament is {sizing.narrowest:.3g} wide, less than the thickness {thickness:.3g}: it is no "
-            "thin sheet, and its stiffness is not to be trusted",
+            f"the narrowest ligament is {sizing.narrowest:.3g} wide, {sizing.narrowest / thickness:.2g} times the "
+            f"thickness {thickness:.3g} (lengths in the unit of the sheet): it is no thin sheet, and its stiffness is not "
+            "to be trusted",
             KirigamiWarning,
             stacklevel=3,
         )

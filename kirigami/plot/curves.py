@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from kirigami.errors import ModelError
 from kirigami.plot import style
-from kirigami.primitives.checks import require_array, require_axis, require_choice
+from kirigami.primitives.checks import require_array, require_axis, require_boolean, require_choice
 from kirigami.units import unit_for
 
 if TYPE_CHECKING:
@@ -32,6 +32,7 @@ def plot_curve(
     label: str | None = None,
     color: Any = None,
     markers: bool = True,
+    band: bool = False,
 ) -> Any:
     """Draw the force curve: stable parts solid, unstable parts dashed, limit points marked.
 
@@ -57,6 +58,8 @@ def plot_curve(
         Colour of the curve; None takes the first that no curve on the axes has.
     markers : bool
         Whether to dot the stored steps.
+    band : bool
+        Whether to shade what the estimated error of the force leaves open, ``results.error["force"]``.
 
     Returns
     -------
@@ -66,6 +69,8 @@ def plot_curve(
     ------
     ModelError
         No steps, an unknown axis or node, or nothing to draw over.
+    AnalysisError
+        A band of results that have no error bar.
 
     Examples
     --------
@@ -97,8 +102,12 @@ def plot_curve(
         unit = " [N]" if results.units else ""
         up_label = "load factor" if nodes is None else "reaction" + f" along {axis}" * isinstance(axis, str) + unit
     firm = np.array([step.negative in (None, 0) for step in results.steps])
+    error = results.error["force"] if require_boolean(band, "band", "plot_curve") else None
     ax = style.new_axes((4.4, 3.2)) if ax is None else ax
     color = style.next_color(ax) if color is None else color
+    if error is not None:
+        low, high = up * (1 - error), up * (1 + error)
+        ax.fill_between(across, low, high, color=color, alpha=0.2, linewidth=0, label="estimated error")
     if markers and len(across) <= 80:
         ax.plot(across, up, linestyle="none", marker="o", markersize=2.6, color=color)
     # A located limit point is a point of the curve like any other; the stable and the unstable side meet there.

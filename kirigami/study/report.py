@@ -23,6 +23,7 @@ from kirigami.errors import ConvergenceError, KirigamiError, KirigamiWarning
 from kirigami.files import whole_file
 from kirigami.primitives.kernel import Array
 from kirigami.primitives.material import Material
+from kirigami.results.doubts import doubts
 from kirigami.results.drives import Drive
 from kirigami.results.fields import facet_strain
 from kirigami.results.results import Results
@@ -131,6 +132,7 @@ class Report:
         return found | {
             "height": float(results.height()[-1]),
             "open_area": float(results.open_area(union=True)[-1]) if mesh.cuts else 0.0,
+            "error": {name: _known(values[-1]) for name, values in results.error.items()},
             "steps": len(results),
             "stable_steps": int(results.stable.sum()),
             "largest_residual": float(np.nanmax(results.residual)),
@@ -138,6 +140,11 @@ class Report:
             "seconds": float(results.stats["seconds"].get("total", 0.0)),
             **({} if results.shapes is None else _shapes_in_numbers(results)),
         }
+
+    @property
+    def worth(self) -> list[str]:
+        """What the numbers are worth, in words."""
+        return [str(self.results.error), *doubts(self.results)]
 
     def text(self) -> str:
         """The numbers as lines."""
@@ -167,6 +174,7 @@ class Report:
             material,
             f"height {units.show(n['height'], 'length')}, open area {n['open_area']:.4g} m2",
             *([str(self.measured)] if self.measured is not None else []),
+            *self.worth,
             (
                 f"{n['steps']} steps, {n['stable_steps']} stable, largest residual {n['largest_residual']:.1e}, "
                 f"{n['factorizations']} factorizations, {n['seconds']:.1f} s"
@@ -369,6 +377,11 @@ def _shapes_in_numbers(results: Results) -> dict[str, Any]:
     }
 
 
+def _known(value: float) -> float | None:
+    """What a file can hold: nothing where a quantity does not exist, such as the open area of a sheet without cuts."""
+    return float(value) if np.isfinite(value) else None
+
+
 def _length(value: float | str | None) -> float | None:
     return None if value is None else units.parse(value, "length")
 
@@ -410,7 +423,8 @@ def write_report(report: Report, folder: str | os.PathLike[str], say: Callable[[
     target, results = Path(folder), report.results
     files = [target / "report.json", target / "curves.csv", target / "results.npz"]
     with whole_file(files[0]) as unfinished:
-        content = {"complete": report.complete, "numbers": report.numbers, "notes": list(report.notes)}
+        notes = [*report.notes, *report.worth]
+        content = {"complete": report.complete, "numbers": report.numbers, "notes": notes}
         unfinished.write_text(json.dumps(content, indent=1) + "\n", encoding="utf-8")
     to_csv(results, files[1])
     results.save(files[2])
