@@ -406,12 +406,12 @@ def test_a_ligament_thinner_than_the_sheet_is_told_with_its_figure(
     drawing = tmp_path / "slit.svg"
     drawing.write_text(
         '<svg xmlns="http://www.w3.org/2000/svg" width="60mm" height="100mm" viewBox="0 0 60 100">'
-        '<rect width="60" height="100" fill="none" stroke="black"/><path d="M 0 50 H 59.9" stroke="red"/></svg>'
+        '<rect width="60" height="100" fill="none" stroke="black"/><path d="M 0 50 H 57" stroke="red"/></svg>'
     )
-    words = ["stretch", str(drawing), "--thickness", "0.5mm", "--E", "3.5GPa", "--strain", "0.1%", "--nodes", "100",
+    words = ["stretch", str(drawing), "--thickness", "6mm", "--E", "3.5GPa", "--strain", "0.1%", "--nodes", "100",
              "--stiffness", "facet", "--imperfection", "0", "--folder", str(tmp_path / "out"), "--quiet"]  # fmt: skip
     cli.main(words)
-    assert "the narrowest ligament is 0.0001 wide, 0.2 times the thickness 0.0005" in capsys.readouterr().err
+    assert "the narrowest ligament is 0.003 wide, 0.5 times the thickness 0.006" in capsys.readouterr().err
     report = json.loads((tmp_path / "out" / "report.json").read_text())
-    assert any("0.2 times the thickness" in note for note in report["notes"])
+    assert any("0.5 times the thickness" in note for note in report["notes"])
     assert 0 < report["numbers"]["error"]["force"] < 1 and any("estimated error" in note for note in report["notes"])

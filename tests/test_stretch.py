@@ -208,10 +208,10 @@ def test_which_shape_the_pull_led_to_is_told(tmp_path: Path, monkeypatch: pytest
 
 
 def test_a_ligament_thinner_than_the_sheet_is_told_with_its_figure() -> None:
-    sheet = kg.Sheet(shapely.box(0, 0, 60, 100), [[(0, 50), (59.9, 50)]], 0.5, MYLAR)
-    with pytest.warns(kg.KirigamiWarning, match=r"narrowest ligament is 0\.1 wide, 0\.2 times the thickness 0\.5"):
+    sheet = kg.Sheet(shapely.box(0, 0, 60, 100), [[(0, 50), (57, 50)]], 6.0, MYLAR)
+    with pytest.warns(kg.KirigamiWarning, match=r"narrowest ligament is 3 wide, 0\.5 times the thickness 6"):
         res = kg.stretch(sheet, strain=1e-3, nodes=100, stiffness="facet", amplitude=0)
-    assert res.lam[-1] == 1.0 and "0.2 times the thickness" in res.summary()
+    assert res.lam[-1] == 1.0 and "0.5 times the thickness" in res.summary()
 
 
 def test_a_sheet_that_no_budget_resolves_is_told_with_what_it_takes() -> None:
