@@ -295,18 +295,18 @@ def warn_of_coarse(sizing: Sizing, thickness: float | None) -> None:
     if sizing.facets_across < FEW_LAYERS:
         needed = sizing.nodes * (LAYERS / sizing.facets_across) ** 2
         warnings.warn(
-            f"the ligament of width {sizing.width:.3g} at {at} has only {sizing.facets_across:g} facets across (lengths "
-            "in the unit of the sheet), and "
-            f"{sizing.coarse} of {sizing.ligaments} sections across ligaments have fewer than {LAYERS:g}: too coarse "
-            f"to bend. About {needed:.1g} nodes would do instead of {sizing.budget}",
+            f"the ligament of width {sizing.width:.3g} at {at} (in the unit of the sheet) has only "
+            f"{sizing.facets_across:g} facets across, and {sizing.coarse} of {sizing.ligaments} sections across "
+            f"ligaments have fewer than {LAYERS:g}: too coarse to bend. About {needed:.1g} nodes would do instead of "
+            f"{sizing.budget}",
             KirigamiWarning,
             stacklevel=3,
         )
     if thickness is not None and sizing.narrowest < thickness:
         warnings.warn(
             f"the narrowest ligament is {sizing.narrowest:.3g} wide, {sizing.narrowest / thickness:.2g} times the "
-            f"thickness {thickness:.3g} (lengths in the unit of the sheet): it is no thin sheet, and its stiffness is not "
-            "to be trusted",
+            f"thickness {thickness:.3g}, in the unit of the sheet: it is no thin sheet, and its stiffness is not to be "
+            "trusted",
             KirigamiWarning,
             stacklevel=3,
         )

@@ -6,11 +6,13 @@ is warned of where it is made (:mod:`kirigami.geometry.sizing`).
 
 from __future__ import annotations
 
+from contextlib import suppress
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from kirigami.elements.mesh_bias import MeshBias
+from kirigami.errors import AnalysisError
 from kirigami.post.shape import principal_values
 from kirigami.primitives.kernel import Array
 from kirigami.results.fracture import tips
@@ -46,7 +48,7 @@ def doubts(results: Results) -> list[str]:
     if mesh is None:
         return []
     told = [*_ligaments(results, mesh), *_free_edges(results, mesh)]
-    if len(results) and results.thickness is not None and results.material is not None:
+    if len(results) and results.sheet_constants is not None:
         told += _strain(results, mesh)
     if any(tips(mesh, cut) for cut in range(len(mesh.cuts))):
         told.append(
@@ -54,6 +56,16 @@ def doubts(results: Results) -> list[str]:
             "converges"
         )
     return told
+
+
+def worth(results: Results) -> list[str]:
+    """The error bar of a sheet in words, where it has one, and what is to be doubted."""
+    if results.mesh is None or not len(results):
+        return []
+    told = []
+    with suppress(AnalysisError):  # no estimate of what is no sheet
+        told.append(str(results.error))
+    return told + doubts(results)
 
 
 def _ligaments(results: Results, mesh: TriMesh) -> list[str]:
@@ -66,9 +78,10 @@ def _ligaments(results: Results, mesh: TriMesh) -> list[str]:
             f"the worst ligament, {sizing.width:.3g} wide at ({sizing.place[0]:.4g}, {sizing.place[1]:.4g}), has "
             f"{sizing.facets_across:g} facets across"
         )
-    if thickness is not None and thickness > THICK * sizing.narrowest:
+    thickest = 0.0 if thickness is None else float(np.max(thickness))
+    if thickest > THICK * sizing.narrowest:
         told.append(
-            f"the narrowest ligament is {sizing.narrowest:.3g} wide, {sizing.narrowest / thickness:.2g} times the "
+            f"the narrowest ligament is {sizing.narrowest:.3g} wide, {sizing.narrowest / thickest:.2g} times the "
             "thickness: thin-sheet theory leaves out its shear"
         )
     return told
@@ -92,7 +105,8 @@ def _strain(results: Results, mesh: TriMesh) -> list[str]:
     recovery = Recovery(results, mesh)
     step = results[-1]
     fields = recovery.fields(step, recovery.state(step)).mean(axis=1)
-    half = 0.5 * float(np.max(results.thickness))  # type: ignore[arg-type]
+    assert results.sheet_constants is not None
+    half = 0.5 * results.sheet_constants.thickness_of_facets(len(mesh.triangles))[:, None]
     largest = np.max([_principal(fields[:, MEMBRANE] + z * fields[:, BENDING]) for z in (-half, half)], axis=0)
     order = np.argsort(largest)
     below = np.cumsum(recovery.area[order])

@@ -107,15 +107,17 @@ def estimated_error(results: Results) -> ErrorBar:
     Raises
     ------
     AnalysisError
-        The model was not made from a mesh with a thickness and a material; or it has bars, hinges or flat facets on a
+        The model was not made from a mesh, or moves; or it has bars, hinges or flat facets on a
         mesh that was not drawn flat, whose curvature is not known.
     """
     mesh = results.mesh
-    if mesh is None or results.thickness is None or results.material is None:
+    if mesh is None or results.sheet_constants is None:
         raise AnalysisError(
             "the error is estimated of sheets: of a model made by Model.from_mesh, with thickness and material",
             results=results,
         )
+    if results.moves:
+        raise AnalysisError("the error is estimated of equilibria, not of motions", results=results)
     recovery = Recovery(results, mesh)
     if not recovery.complete and results.dim == 3:
         raise AnalysisError(

@@ -108,8 +108,8 @@ def energy_release(results: Results, cut: int = 0) -> Array:
     >>> bool(np.allclose(res.energy_release(0)[-1] / (stress**2 * np.pi * 0.2 / np.cos(np.pi * 0.2)), 1.0, atol=0.03))
     True
     """
-    mesh, thickness = results.mesh, results.thickness
-    if mesh is None or thickness is None:
+    mesh, constants = results.mesh, results.sheet_constants
+    if mesh is None or constants is None:
         raise AnalysisError("energy_release needs a model made by Model.from_mesh", results=results)
     kernels = [kernel for kernel in results.kernels if isinstance(kernel, (FacetKernel, ShellFacetKernel))]
     if not kernels:
@@ -124,6 +124,8 @@ def energy_release(results: Results, cut: int = 0) -> Array:
     released = np.zeros((len(results), len(found)))
     for column, tip in enumerate(found):
         moved, reach = _moved(mesh, tip)
+        at_tip = (mesh.triangles == tip.node).any(axis=1)
+        thickness = float(constants.thickness_of_facets(len(mesh.triangles))[at_tip].mean())
         share = SHARE * reach
         for sign in (1.0, -1.0):
             rest = results.configuration()[:, : results.dim].copy()

@@ -16,10 +16,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kirigami.elements.shell_kernel import ShellFacetKernel
-from kirigami.elements.triangle import SurfaceStrain, section_matrices
+from kirigami.elements.triangle import SurfaceStrain
 from kirigami.primitives.kernel import Array
 from kirigami.results.results import Results
 from kirigami.results.sheet_state import SheetState, StateReader, placed
+from kirigami.results.smooth import folded_edges
 from kirigami.results.step import Step
 
 if TYPE_CHECKING:
@@ -53,8 +54,8 @@ class Recovery:
         self.area = self.surface.area
         shells = [kernel for kernel in results.kernels if isinstance(kernel, ShellFacetKernel)]
         self.shell: ShellFacetKernel | None = shells[0] if len(shells) == 1 else None
-        self.section, edge = self._sections()
-        self.patch = _patches(mesh, self.section, edge)
+        self.section = self._sections()
+        self.patch = _patches(results, mesh, self.section)
         corners = results.rest[mesh.triangles]
         along, across = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
         first = along / np.linalg.norm(along, axis=1)[:, None]
@@ -62,18 +63,16 @@ class Recovery:
         self.axes = np.stack([first, second / np.linalg.norm(second, axis=1)[:, None]], axis=1)  # (m, 2, 3)
         self.weight = np.repeat(self.area, 3)
 
-    def _sections(self) -> tuple[Array, Index | None]:
-        """Sections of the facets, and the rows of their edges where folds have two."""
-        count = len(self.mesh.triangles)
+    def _sections(self) -> Array:
+        """Sections of the facets, by plate theory."""
         if self.shell is not None:
             self.row = placed(self.mesh.triangles, self.shell.conn[:, :3])
             if (self.row >= 0).all():
-                return self.shell.section[self.row], self.shell.conn[self.row, 6:9]
+                return np.asarray(self.shell.section[self.row])
             self.shell = None
-        material, thickness = self.results.material, self.results.thickness
-        assert material is not None and thickness is not None
-        whole = section_matrices(np.full(count, thickness), np.full(count, material.E), np.full(count, material.nu))
-        return whole, None
+        constants = self.results.sheet_constants
+        assert constants is not None
+        return constants.sections(len(self.mesh.triangles))
 
     @cached_property
     def reader(self) -> StateReader:
@@ -142,31 +141,21 @@ class Recovery:
         return found[0], found[1]
 
 
-def _patches(mesh: TriMesh, section: Array, edge: Index | None) -> Index:
-    """Numbers (m, 3) of the patches that the corners of facets belong to."""
+def _patches(results: Results, mesh: TriMesh, section: Array) -> Index:
+    """Numbers (m, 3) of the patches that the corners of facets belong to: those of :mod:`kirigami.results.smooth`,
+    parted also where the section changes."""
     from scipy.sparse import coo_array
     from scipy.sparse.csgraph import connected_components
 
     triangles = mesh.triangles
-    inner = np.flatnonzero((mesh.edge_facets[:, 1] >= 0) & ~mesh.edge_folded)
+    inner = np.flatnonzero((mesh.edge_facets[:, 1] >= 0) & ~mesh.edge_folded & ~folded_edges(results, mesh))
     one, two = mesh.edge_facets[inner].T
     alike = np.abs(section[one] - section[two]).max(axis=(1, 2)) <= 1e-9 * np.abs(section[one]).max(axis=(1, 2))
-    ends = mesh.edges[inner]
-    if edge is not None:  # a crease that was added by hand has rows for each of its sides
-        sides = [_side(triangles[facet], ends) for facet in (one, two)]
-        alike &= edge[one, sides[0]] == edge[two, sides[1]]
-    one, two, ends = one[alike], two[alike], ends[alike]
-    links = []
-    for end in ends.T:
-        places = [3 * facet + np.argmax(triangles[facet] == end[:, None], axis=1) for facet in (one, two)]
-        links.append(np.stack(places, axis=1))
-    joined = np.concatenate(links)
-    size = triangles.size
+    one, two, ends = one[alike], two[alike], mesh.edges[inner[alike]]
+    places = [
+        np.stack([3 * facet + np.argmax(triangles[facet] == end[:, None], axis=1) for facet in (one, two)], axis=1)
+        for end in ends.T
+    ]
+    joined, size = np.concatenate(places), triangles.size
     graph = coo_array((np.ones(len(joined), np.int8), (joined[:, 0], joined[:, 1])), shape=(size, size))
     return np.asarray(connected_components(graph, directed=False)[1].reshape(-1, 3), dtype=np.int64)
-
-
-def _side(triangles: Index, ends: Index) -> Index:
-    """Which side of each facet (k, 3) joins two of its corners (k, 2); side c runs from corner c on."""
-    sides = np.sort(np.stack([triangles, np.roll(triangles, -1, axis=1)], axis=2), axis=2)
-    return np.asarray(np.argmax((sides == np.sort(ends, axis=1)[:, None]).all(axis=2), axis=1))

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from contextlib import suppress
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
@@ -471,6 +470,8 @@ class Results(ModelRecord):
 
     def summary(self) -> str:
         """What was computed, how it went, and where the time went, as text."""
+        from kirigami.results.doubts import worth
+
         stats = self.stats
         unknowns = int(np.count_nonzero(~self.constrained))
         lines = [f"{self.name or 'model'}: {len(self.rest)} nodes in {self.dim}D, {unknowns} unknowns"]
@@ -492,23 +493,13 @@ class Results(ModelRecord):
             f"{stats['iterations']} iterations, {stats['factorizations']} factorizations "
             f"({stats['backend'] or 'none'}), {stats['cutbacks']} cutbacks, {stats['relaxations']} relaxations"
         )
-        lines += [f"event: {event}" for event in self.events] + self.shape_words + self._worth()
+        lines += [f"event: {event}" for event in self.events] + self.shape_words
+        lines += worth(self)
         seconds = stats["seconds"]
         total = seconds.get("total", sum(seconds.values()))
         parts = sorted(((name, value) for name, value in seconds.items() if name != "total"), key=lambda p: -p[1])
         lines.append(f"{total:.2f} s: " + ", ".join(f"{name} {value:.2f}" for name, value in parts))
         return "\n".join(lines)
-
-    def _worth(self) -> list[str]:
-        """The error bar, and what is to be doubted, in words."""
-        from kirigami.results.doubts import doubts
-
-        if self.mesh is None or not self.steps:
-            return []
-        told = []
-        with suppress(AnalysisError):  # no estimate for what is no sheet
-            told.append(str(self.error))
-        return told + [f"note: {words}" for words in doubts(self)]
 
     def __repr__(self) -> str:
         span = f", load factor {self.steps[0].lam:.6g} to {self.steps[-1].lam:.6g}" if self.steps else ""

@@ -7,6 +7,7 @@ import math
 import os
 import warnings
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
@@ -19,11 +20,11 @@ from kirigami.drawing.convert import read_drawing
 from kirigami.drawing.roles import listed
 from kirigami.elements.crease import SCORE
 from kirigami.elements.stiffness import Calibration
-from kirigami.errors import ConvergenceError, KirigamiError, KirigamiWarning
+from kirigami.errors import AnalysisError, ConvergenceError, KirigamiError, KirigamiWarning
 from kirigami.files import whole_file
 from kirigami.primitives.kernel import Array
 from kirigami.primitives.material import Material
-from kirigami.results.doubts import doubts
+from kirigami.results.doubts import worth
 from kirigami.results.drives import Drive
 from kirigami.results.fields import facet_strain
 from kirigami.results.results import Results
@@ -132,7 +133,7 @@ class Report:
         return found | {
             "height": float(results.height()[-1]),
             "open_area": float(results.open_area(union=True)[-1]) if mesh.cuts else 0.0,
-            "error": {name: _known(values[-1]) for name, values in results.error.items()},
+            "error": _errors(results),
             "steps": len(results),
             "stable_steps": int(results.stable.sum()),
             "largest_residual": float(np.nanmax(results.residual)),
@@ -144,7 +145,7 @@ class Report:
     @property
     def worth(self) -> list[str]:
         """What the numbers are worth, in words."""
-        return [str(self.results.error), *doubts(self.results)]
+        return worth(self.results)
 
     def text(self) -> str:
         """The numbers as lines."""
@@ -377,9 +378,11 @@ def _shapes_in_numbers(results: Results) -> dict[str, Any]:
     }
 
 
-def _known(value: float) -> float | None:
-    """What a file can hold: nothing where a quantity does not exist, such as the open area of a sheet without cuts."""
-    return float(value) if np.isfinite(value) else None
+def _errors(results: Results) -> dict[str, float]:
+    """Estimated errors at the last step, of what there is."""
+    with suppress(AnalysisError):
+        return {name: float(values[-1]) for name, values in results.error.items() if np.isfinite(values[-1])}
+    return {}
 
 
 def _length(value: float | str | None) -> float | None:

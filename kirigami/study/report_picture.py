@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Callable
+from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from kirigami.errors import AnalysisError
 from kirigami.files import whole_file
 from kirigami.primitives.kernel import Array
 from kirigami.units import unit_for
@@ -91,6 +93,13 @@ def _force(report: Report, across: Array) -> Any:
         for other in alike:
             plot.plot_measure(results, other.force(results), x=across, ax=ax, label=other.takes)
         ax.set_ylabel("torque [N m]" if report.drive.turns else "force [N]")
+        ax.legend()
+    with suppress(AnalysisError):  # no estimate of what is no sheet
+        error = results.error["force"]
+        ax.fill_between(
+            across, report.force * (1 - error), report.force * (1 + error), color=ax.lines[0].get_color(), alpha=0.2,
+            linewidth=0, label="estimated error",
+        )  # fmt: skip
         ax.legend()
     loose = np.array([step.negative not in (None, 0) for step in results.steps])
     if loose.any():
