@@ -3,23 +3,24 @@
 from __future__ import annotations
 
 import argparse
+import sys
 from pathlib import Path
 from typing import Any
 
 from kirigami.cli.options import add_command, add_reading, in_words_of_the_command, print_json, reading, speaker
-from kirigami.errors import GeometryError
+from kirigami.errors import GeometryError, KirigamiError
 from kirigami.files import whole_file
 
 DESCRIPTION = """\
 Say what a drawing (.dxf, .svg, .geojson, .fold) or a results file (.npz) holds: of a drawing what
 was read as outline, cuts and folds, what was joined, dropped and assumed, the true size, and a
-table of what each layer, colour and line type was taken for; of results the path that was
-followed."""
+table of what each layer, colour and line type was taken for, and it draws what it understood, one
+colour a role, in NAME-read.png; of results the path that was followed."""
 
 EPILOG = """\
 examples:
-  kirigami info plate.dxf
-  kirigami info plate.svg --picture        and draw it
+  kirigami info plate.dxf                  and draw it: plate-read.png
+  kirigami info plate.dxf --no-picture
   kirigami info plate.svg --cuts red --json
   kirigami info plate-stretched/results.npz"""
 
@@ -36,8 +37,9 @@ def add(commands: Any) -> None:
         nargs="?",
         const=Path(),
         metavar="PNG",
-        help="draw what was understood of a drawing, one colour a role (default name: NAME-read.png)",
+        help="where to draw what was understood (default: NAME-read.png; nowhere with --quiet or --json)",
     )
+    parser.add_argument("--no-picture", action="store_true", help="draw nothing")
     add_reading(parser)
 
 
@@ -47,13 +49,22 @@ def run(options: argparse.Namespace) -> int:
     from kirigami.io.convert import info, info_of_drawing
 
     say = speaker(options)
-    if options.picture is None or options.file.suffix.lower() == ".npz":
+    picture, asked = options.picture or Path(), options.picture is not None
+    wanted = not options.no_picture and (asked or not (options.quiet or options.json))
+    if options.file.suffix.lower() == ".npz":
         found = info(options.file, **reading(options))
     else:
         drawing = read_drawing(options.file, **reading(options))
         found = info_of_drawing(drawing)
-        found["picture"] = options.picture if options.picture.name else Path(f"{options.file.stem}-read.png")
-        _draw(drawing, found["picture"])
+        if wanted:
+            picture = picture if picture.name else Path(f"{options.file.stem}-read.png")
+            try:
+                _draw(drawing, picture)
+                found["picture"] = picture
+            except (KirigamiError, OSError) as error:
+                if asked:
+                    raise
+                print(f"kirigami: not drawn: {error}", file=sys.stderr)  # what was asked for is the text
     found["text"] = in_words_of_the_command(found["text"])
     say(found["text"])
     if "picture" in found:

@@ -18,6 +18,8 @@ def circles_of(curves: Iterable[Curve]) -> Floats:
     """Centre and radius (k, 3) of every circle that smooth pieces of curves follow."""
     found: list[Floats] = []
     for curve in curves:
+        if len(curve.points) < 3:
+            continue
         bow = np.broadcast_to(curve.bow, len(curve.points) - 1)
         smooth = bow > 0
         if smooth.sum() < 2:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import warnings
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -43,6 +43,12 @@ class Curve:
     @property
     def length(self) -> float:
         return float(np.linalg.norm(np.diff(self.points, axis=0), axis=1).sum())
+
+    def taken_as(self, role: str, number: int, fold: float) -> Curve:
+        """The same as the curve of this number, with a role; `dataclasses.replace` would take several times as long."""
+        return Curve(
+            self.points, self.layer, self.color, self.source, self.line_type, self.bow, role, (number,), fold
+        )
 
     @property
     def called(self) -> str:
@@ -85,6 +91,15 @@ def scale_of(unit: str, drawn_in: str | None, stated: str | None, notes: list[st
     notes.append(f"drawn in {source}, converted to {unit}")
     ratio = metres_per(source) / metres_per(unit)
     return (float(round(ratio)) if abs(ratio - round(ratio)) < 1e-12 * ratio else ratio), unit
+
+
+def all_at_once(parts: Sequence[Floats], change: Callable[[Floats], Floats]) -> list[Floats]:
+    """A function of rows, applied to all rows of many arrays in one call."""
+    if not parts:
+        return []
+    whole = change(np.concatenate(parts))
+    ends = np.cumsum([len(part) for part in parts]).tolist()
+    return [whole[start:end] for start, end in zip([0, *ends], ends)]
 
 
 def scaled(points: Floats, factor: float) -> Floats:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import warnings
 from collections.abc import Sequence
 from contextlib import suppress
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -178,17 +178,19 @@ def assemble(
         part = require_whole(part, "part", "reading a drawing", 1, GeometryError)
     said = list(notes)
     roles_of = roles.of(curves)
+    side = {curve.layer: side_of_name(curve.layer) for curve in curves}
     sorted_ones = [
-        replace(curve, role=role, numbers=(k,), fold=(curve.fold or side_of_name(curve.layer)) * (role == "fold"))
+        curve.taken_as(role, k, (curve.fold or side[curve.layer]) if role == "fold" else 0.0)
         for k, (curve, role) in enumerate(zip(curves, roles_of))
     ]
     kept = [curve for curve in sorted_ones if curve.role != "ignore"]
     if not kept:
         raise GeometryError(f"the drawing holds no curves to use; there are {listing(curves)}")
-    for curve in kept:
-        if not np.isfinite(curve.points).all():
-            raise GeometryError(f"{curve.source} has a coordinate that is not finite")
-    size = float(np.ptp(np.concatenate([curve.points for curve in kept]), axis=0).max())
+    everything = np.concatenate([curve.points for curve in kept])
+    if not np.isfinite(everything).all():
+        bad = next(curve for curve in kept if not np.isfinite(curve.points).all())
+        raise GeometryError(f"{bad.source} has a coordinate that is not finite")
+    size = float(np.ptp(everything, axis=0).max())
     if size <= 0:
         raise GeometryError("the drawing has no extent: all its points coincide")
     measure = Measure(unit, shown or unit, size)
@@ -220,8 +222,8 @@ def assemble(
     for note in whole.notes:
         _tell(note, said)
     left: dict[tuple[int, ...], list[Any]] = {}
-    for slit in whole.slits:
-        left.setdefault(slit.numbers, []).append(shapely.LineString(slit.points))
+    for slit, line in zip(whole.slits, lines_of(whole.slits)):
+        left.setdefault(slit.numbers, []).append(line)
     shapes: list[Any] = []
     colors: list[str] = []
     for curve in cuts.inside:
@@ -247,7 +249,8 @@ def assemble(
     )
     became = {number: "outline" for curve in rim.made_of for number in curve.numbers}
     became |= {number: "hole" for curve in hole_curves for number in curve.numbers if number not in became}
-    kept_cuts = [curve for curve in cuts.inside if curve not in in_vain]
+    vain = set(map(id, in_vain))
+    kept_cuts = [curve for curve in cuts.inside if id(curve) not in vain]
     became |= {number: "cut" for curve in kept_cuts for number in curve.numbers if number not in became}
     became |= {number: "fold" for curve in folds.inside for number in curve.numbers if number not in became}
     table = table_of(sorted_ones, became)

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from kirigami.drawing.arcs import circles_of
-from kirigami.drawing.curves import Curve, Floats, flattened, scale_of, scaled
+from kirigami.drawing.curves import Curve, Floats, all_at_once, flattened, scale_of, scaled
 from kirigami.drawing.drawing import Drawing, assemble
 from kirigami.drawing.dxf_entities import COLORS as INDEX_COLORS
 from kirigami.drawing.dxf_entities import Reader, source_of
@@ -116,14 +116,12 @@ def read_dxf(
         kinds = ", ".join(f"{number} {kind}" for kind, number in reader.skipped.most_common())
         notes.append(f"not read: {kinds}")
     distance = flatness * _extent([curve.entity for curve in seen])
+    pieces = [(found, *piece) for found in seen for piece in _points(found.entity, distance)]
+    places = all_at_once([points for _, points, _ in pieces], lambda points: scaled(points, factor))
     curves = [
-        Curve(
-            scaled(points, factor), found.look.layer, found.look.color, found.source, found.look.line_type,
-            scaled(bow, factor),
-        )
-        for found in seen
-        for points, bow in _points(found.entity, distance)
-    ]  # fmt: skip
+        Curve(place, found.look.layer, found.look.color, found.source, found.look.line_type, scaled(bow, factor))
+        for place, (found, _, bow) in zip(places, pieces)
+    ]
     shown = drawn_in or stated
     return assemble(curves, roles, unit=unit, tolerance=tolerance, notes=notes, shown=shown, part=part)
 

@@ -19,7 +19,7 @@ ROUNDING = 1e-9  # of the tolerance: what ends are moved by less is not told
 
 def without_specks(curves: Sequence[Curve], gap: float, notes: list[str]) -> list[Curve]:
     """Drop curves that have no length."""
-    short = [curve for curve in curves if not curve.length > 1e-3 * gap]
+    short = [curve for curve, length in zip(curves, shapely.length(lines_of(curves))) if not length > 1e-3 * gap]
     if short:
         few = ", ".join(curve.source for curve in short[:3]) + (" ..." if len(short) > 3 else "")
         notes.append(f"{len(short)} curves without length dropped: {few}")
@@ -53,8 +53,10 @@ def without_doubles(curves: Sequence[Curve], gap: float, notes: list[str]) -> li
 def open_ends(curves: Sequence[Curve]) -> tuple[list[int], Floats]:
     """Numbers of the open curves, and their ends (2 k, 2): that of the first point, then that of the last."""
     numbers = [number for number, curve in enumerate(curves) if not curve.closed]
-    ends = np.array([curves[number].points[[0, -1]] for number in numbers]).reshape(-1, 2)
-    return numbers, ends
+    if not numbers:
+        return numbers, np.empty((0, 2))
+    first, last = _tips(curves, np.array(numbers))
+    return numbers, np.stack([first, last], axis=1).reshape(-1, 2)
 
 
 def clusters(points: Floats, gap: float) -> NDArray[np.int64]:
@@ -93,7 +95,7 @@ def led_together(curves: Sequence[Curve], gap: float, notes: list[str]) -> list[
     met = np.bincount(group)[group] > 2  # two ends are joined to one curve later
     moved = np.where(met[:, None], ends[first[group]], ends)
     onto: dict[int, list[tuple[int, Floats]]] = {}
-    bows = np.array([float(np.max(curve.bow)) for curve in result])
+    bows = largest_bows(result)
     lines = lines_of(result)
     reach = gap + float(bows.max())
     end, line = shapely.STRtree(lines).query(shapely.points(ends), predicate="dwithin", distance=reach)
@@ -132,9 +134,17 @@ def led_together(curves: Sequence[Curve], gap: float, notes: list[str]) -> list[
 
 
 def _tips(curves: Sequence[Curve], which: Any) -> tuple[Floats, Floats]:
-    first = np.array([curve.points[0] for curve in curves])
-    last = np.array([curve.points[-1] for curve in curves])
-    return first[which], last[which]
+    points = np.concatenate([curve.points for curve in curves])
+    end = np.cumsum([len(curve.points) for curve in curves])
+    start = np.concatenate([[0], end[:-1]])
+    return points[start[which]], points[end[which] - 1]
+
+
+def largest_bows(curves: Sequence[Curve]) -> Floats:
+    """The largest bow of each curve."""
+    bows = [np.atleast_1d(curve.bow) for curve in curves]
+    start = np.cumsum([0, *(len(bow) for bow in bows[:-1])])
+    return np.asarray(np.maximum.reduceat(np.concatenate(bows), start), dtype=float)
 
 
 def _landing(curve: Curve, end: Floats, gap: float) -> tuple[int, Floats, bool] | None:
@@ -184,6 +194,9 @@ def chained(curves: Sequence[Curve], gap: float, notes: list[str]) -> list[Curve
     gaps: list[float] = []
     for start in range(0, len(ends), 2):
         if start // 2 in used:
+            continue
+        if start not in partner and start + 1 not in partner:  # most lines of a drawing are on their own
+            found[open_ones[start // 2]] = curves[open_ones[start // 2]]
             continue
         entry, closes = start, False
         while entry in partner and not closes:  # back to the free end, or once round

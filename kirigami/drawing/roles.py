@@ -7,6 +7,7 @@ import unicodedata
 from collections import Counter
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 
 from kirigami.drawing.curves import Curve, counted
 from kirigami.errors import GeometryError
@@ -175,6 +176,7 @@ def color_name(color: str) -> str:
     return COLORS.get(color.casefold(), color)
 
 
+@lru_cache(maxsize=4096)
 def role_of_name(name: str) -> str:
     """The role that the name of a layer tells, or ""."""
     tokens = _tokens(name)
@@ -196,6 +198,7 @@ def _tokens(name: str) -> list[str]:
     return re.findall(r"[^\W\d_]+", re.sub(r"([a-z])([A-Z])", r"\1 \2", bare).casefold())
 
 
+@lru_cache(maxsize=256)
 def role_of_line_type(name: str) -> str:
     """The role that a line type tells, or ""."""
     plain = name.casefold()

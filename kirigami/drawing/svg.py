@@ -8,14 +8,14 @@ import re
 import warnings
 from collections import Counter
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree
 
 import numpy as np
 
-from kirigami.drawing.curves import Curve, Floats, counted, flattened, scaled
+from kirigami.drawing.curves import Curve, Floats, all_at_once, counted, flattened, scaled
 from kirigami.drawing.drawing import Drawing, assemble
 from kirigami.drawing.roles import Names, Roles, role_of_name
 from kirigami.drawing.strokes import Stroke, strokes
@@ -120,18 +120,24 @@ def read_svg(
         hint = f"; `cuts={hidden[0]!r}` reads that layer all the same" if hidden else ""
         raise GeometryError(f"{path} holds no curves (it holds {seen}){hint}")
     distance = flatness * float((boxes[:, 2:].max(axis=0) - boxes[:, :2].min(axis=0)).max())
-    curves, cut_off = [], 0
+    seen_pieces: list[tuple[Floats, Any, str, str, str, Floats | float]] = []
+    cut_off = 0
     for shape, place, color, drawn in found:
         source = f"line {shape.values.get(LINE, '?')} <{shape.values.get('tag', 'path')}>"
         if identity := shape.values.get("attributes", {}).get("id"):
             source += f" {identity!r}"
-        window = _window(place, clips, elements, notes)
+        window, kind = _window(place, clips, elements, notes), line_type(shape)
         for points, bow in _points(drawn, distance, elements, source):
             pieces = [points] if window is None else clipped(points, window)
             cut_off += len(pieces) != 1 or pieces[0] is not points
             for piece in pieces:
                 bent = scaled(bow, to_drawing.ratio) if piece is points else 0.0
-                curves.append(Curve(to_drawing(piece), place.layer, color, source, line_type(shape), bent))
+                seen_pieces.append((piece, place, color, source, kind, bent))
+    places = all_at_once([piece for piece, *_ in seen_pieces], to_drawing)
+    curves = [
+        Curve(points, place.layer, color, source, kind, bent)
+        for points, (_, place, color, source, kind, bent) in zip(places, seen_pieces)
+    ]
     if cut_off:
         notes.append(f"{counted(cut_off, 'curve')} cut off at a clip path")
     if not curves:
@@ -151,12 +157,12 @@ class _Place:
     layer: str = ""
     unseen: bool = False
 
-    def within(self, item: Any, called: list[str]) -> _Place:
+    def within(self, item: Any, called: list[str], layer: str = "") -> _Place:
         """The place of what is in a group."""
         own = item.values.get("attributes", {})
         clip = clip_name(own)
         clips = (*self.clips, (clip, str(item.values.get("transform") or ""))) if clip else self.clips
-        return _Place((*self.names, *called), clips, self.layer, self.unseen or is_transparent(own))
+        return _Place((*self.names, *called), clips, layer, self.unseen or is_transparent(own))
 
 
 def _shapes(
@@ -183,8 +189,9 @@ def _shapes(
         if isinstance(item, list) and not isinstance(item, elements.Shape):
             yield from _shapes(item, place.within(item, called[:2]), skipped, elements, asked, hidden, canvas)
         elif isinstance(item, elements.Shape):
-            here = replace(place.within(item, []), layer=_layer(list(place.names), called, asked))
-            drawn = elements.Path(item).reify()  # as a path: svgelements turns mirrored circles into wrong ones
+            here = place.within(item, [], _layer(list(place.names), called, asked))
+            # as a path: svgelements turns mirrored circles into wrong ones
+            drawn = (item if isinstance(item, elements.Path) else elements.Path(item)).reify()
             color = canvas.color(item, drawn)
             seen = color is not None and not here.unseen and values.get("visibility") not in ("hidden", "collapse")
             if seen or here.layer.casefold() in asked:
@@ -252,7 +259,12 @@ def _points(path: Any, distance: float, elements: Any, source: str) -> Iterator[
     bows: list[float] = []
 
     def finished(closed: bool) -> Iterator[tuple[Floats, Floats]]:
-        if parts:
+        if len(parts) == 1 and bows == [0.0] and not closed:  # one straight line, as most are
+            points = parts.pop()
+            bows.clear()
+            if (points[0] != points[1]).any():
+                yield points, np.zeros(1)
+        elif parts:
             points = np.concatenate([parts[0], *(part[1:] for part in parts[1:])])
             bow = np.repeat(bows, [len(part) - 1 for part in parts])
             parts.clear()

@@ -134,10 +134,12 @@ def resolve_percentages(element: Any, width: float, height: float) -> None:
     sizes |= dict.fromkeys(("y", "y1", "y2", "cy", "ry", "height"), height)
     sizes["r"] = math.hypot(width, height) / math.sqrt(2)
     for child in element:
-        for name, size in sizes.items():
-            value = child.get(name, "").strip()
+        relative = [(name, value.strip()) for name, value in child.items() if "%" in value and name in sizes]
+        for name, value in relative:
             if value.endswith("%") and (share := _number(value[:-1])) is not None:
-                child.set(name, repr(0.01 * share * size))
+                child.set(name, repr(0.01 * share * sizes[name]))
+        if not len(child):
+            continue
         inner = width, height
         if _kind(child) == "svg":
             view = _view_box(child)
