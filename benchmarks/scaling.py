@@ -3,6 +3,7 @@
     python benchmarks/scaling.py                      2,000 to 100,000 nodes
     python benchmarks/scaling.py 2000 500000          these sizes
     python benchmarks/scaling.py 500000 --pull 2e-6   a shorter stretch than the 2e-5 of the others
+    python benchmarks/scaling.py 100000 --stiffness shell         another rung than "plate"
     python benchmarks/scaling.py --picture FILE.png   draw the picture from the table
     KIRIGAMI_COMPILED=0 python benchmarks/scaling.py ...        without compiled loops
     KIRIGAMI_SOLVER=superlu python benchmarks/scaling.py ...   another solver
@@ -79,7 +80,7 @@ def measure_parts(m: Any, timed: Callable[..., Any]) -> dict[str, Any]:
     return {"nodes": len(m.nodes), "unknowns": system.free, "solver": factor.backend + compiled}
 
 
-def measure(nodes: int, pull: float) -> dict[str, float | str]:
+def measure(nodes: int, pull: float, stiffness: str = "plate") -> dict[str, float | str]:
     """Seconds of each part for one size, stretched by `pull` at last; meant to run in a fresh process."""
     import numpy as np
 
@@ -94,15 +95,18 @@ def measure(nodes: int, pull: float) -> dict[str, float | str]:
             result = do()
             spent.append(time.process_time() - start)
         cost[part] = round(min(spent), 5)
+        peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss // 1024
+        print(f"{part}: {cost[part]} s, {peak} MiB at most so far", file=sys.stderr, flush=True)
         return result
 
     mesh = timed("mesh", lambda: slit_sheet(nodes))
-    m = timed("model", lambda: kg.Model.from_mesh(mesh))
+    m = timed("model", lambda: kg.Model.from_mesh(mesh, stiffness=stiffness))
     x, y, _ = m.positions().T
     m.perturb(1e-4 * np.sin(7 * x) * np.cos(5 * y))
     top = m.select(boundary="top")
     m.add(kg.Fix(m.select(boundary="bottom")), kg.Fix(top, "xz"), kg.Prescribe(top, y=pull))
     cost |= measure_parts(m, timed)
+    cost["solver"] += "" if stiffness == "plate" else f" {stiffness}"
     cost["ordering"] = round(cost["ordering"] - cost["factorization"], 5)
     timed("linear static", lambda: kg.LinearStatic(m).run())
     timed("four modes", lambda: kg.Eigen(m, n=4).run())
@@ -170,17 +174,18 @@ def record(row: dict[str, Any]) -> None:
 
 def main(arguments: list[str]) -> None:
     if arguments[:1] == ["--measure"]:
-        row = measure(int(arguments[1]), float(arguments[2]))
+        row = measure(int(arguments[1]), float(arguments[2]), arguments[3])
         record(row)
         print("  ".join(f"{key} {value}" for key, value in row.items()))
         return
     pull = arguments[arguments.index("--pull") + 1] if "--pull" in arguments else "2e-5"
+    stiffness = arguments[arguments.index("--stiffness") + 1] if "--stiffness" in arguments else "plate"
     sizes = [int(a) for a in arguments if a.isdigit()]
     if not sizes and "--picture" not in arguments:
         sizes = SIZES
     one_thread = {name: "1" for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "RAYON_NUM_THREADS")}
     for size in sizes:
-        command = [sys.executable, __file__, "--measure", str(size), pull]
+        command = [sys.executable, __file__, "--measure", str(size), pull, stiffness]
         subprocess.run(command, env={**os.environ, **one_thread}, check=False)  # a size that fails says so itself
     solvers = sorted({row["solver"] for row in table()})
     for solver in solvers:
