@@ -92,10 +92,10 @@ def pack(results: Results, with_kernels: bool = True) -> dict[str, Any]:
             if value is not None:
                 arrays[f"history{position}.{number}"] = value
     if any(step.velocity is not None for step in steps):
-        for name, of in (("velocity", lambda s: s.velocity), ("inner_velocity", lambda s: s.inner_velocity)):
-            still = np.zeros((len(results.rest) if name == "velocity" else len(results.inner_rest), 3))
-            rows = np.array([still if step.velocity is None else of(step) for step in steps])
-            arrays[name] = rows.reshape(len(steps), *still.shape)
+        for name, count in (("velocity", len(results.rest)), ("inner_velocity", len(results.inner_rest))):
+            still = np.zeros((count, 3))
+            rows = np.array([still if step.velocity is None else getattr(step, name) for step in steps])
+            arrays[name] = rows.reshape(len(steps), count, 3)
         arrays["time"] = np.array([step.time for step in steps])
         arrays["kinetic"] = np.array([step.kinetic for step in steps])
     for position, event in enumerate(results.events):

@@ -476,12 +476,12 @@ class Results(ModelRecord):
         unknowns = int(np.count_nonzero(~self.constrained))
         lines = [f"{self.name or 'model'}: {len(self.rest)} nodes in {self.dim}D, {unknowns} unknowns"]
         if self.moves:
-            energies = self.energy
-            kinetic = energies["kinetic"]
+            kinetic = self.energy["kinetic"]
+            stored = sum(float(values[-1]) for values in self.energy.values()) - kinetic[-1]
             lines.append(
                 f"{len(self.steps)} stored moments, time {self.time[0]:.6g} to {self.time[-1]:.6g}, load factor "
                 f"{self.lam[0]:.6g} to {self.lam[-1]:.6g}, kinetic energy at most {kinetic.max():.4g}, "
-                f"{kinetic[-1]:.4g} at the end; energy stored at the end {sum(energies.values())[-1] - kinetic[-1]:.4g}"
+                f"{kinetic[-1]:.4g} at the end; energy stored at the end {stored:.4g}"
             )
         elif self.steps:
             stable = int(np.count_nonzero(self.stable))

@@ -8,6 +8,8 @@ exactly as momentum is.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from kirigami.primitives.kernel import Array
@@ -36,7 +38,7 @@ class Spin:
             if len(rows) and not anchored[part].any() and (numbers[rows] >= 0).all() and leads[rows].all():
                 self.parts.append(rows)
 
-    def forces(self, gradients: list[tuple[float, Array, float, Array]], middle: Array) -> Array:
+    def forces(self, gradients: Sequence[tuple[float, Array, float, Array]], middle: Array) -> Array:
         """Forces (rows, dim), as gradients, that leave no torque about the `middle` of the chord (rows, dim) but that
         of the loads; for the weights, rows x, load factors and gradients at the places of the average."""
         total = np.sum([weight * gradient for weight, _, _, gradient in gradients], axis=0)

@@ -19,12 +19,20 @@ from kirigami.analysis.path.points import Point
 from kirigami.analysis.path.stable import FIRST
 from kirigami.errors import ModelError
 from kirigami.model.model import Model
-from kirigami.primitives.checks import require_callable, require_choice, require_finite, require_whole, shown
+from kirigami.primitives.checks import (
+    require_between,
+    require_callable,
+    require_choice,
+    require_finite,
+    require_whole,
+    shown,
+)
 from kirigami.primitives.node import AXES, Node
 from kirigami.results.results import Results
 from kirigami.results.step import Event, Step
 from kirigami.system.system import System
 
+SETTLES = ("overdamped", "dynamics")
 CAREFUL = ("path", "slow")  # correctors that go on from short increments, at the start and where the way turns
 SMALLEST = 1e-7  # smallest increment, as a share of the whole range
 GROWTH = 0.1  # share of the distance from the start that an arc may have
@@ -44,9 +52,18 @@ class _RangeAnalysis(PathAnalysis):
         on_instability: str,
         branch: int | None,
         corrector: str,
+        settle: str,
+        damping: float,
     ) -> None:
         super().__init__(model, tol, start, on_instability, branch, corrector)
         owner = type(self).__name__
+        self.settle = require_choice(settle, SETTLES, "settle", owner)
+        self.damping = require_between(damping, 0.0, 1.0, "damping", owner)
+        if self.settle == "dynamics" and (self.corrector != "path" or self.on_instability != "switch"):
+            raise ModelError(
+                f"{owner}: settle='dynamics' chooses where a snap lands, so it goes with corrector='path' and "
+                "on_instability='switch'"
+            )
         self.to = require_finite(to, "to", owner)
         self.targets = checked_targets(targets, owner)
         self.step = None if step is None else abs(require_finite(step, "step", owner))
@@ -103,6 +120,12 @@ class LoadControl(_RangeAnalysis):
         and land on another stable shape: "newton" by Newton's method at shorter and shorter increments, and downhill
         where it fails; "descent" downhill at once, with compression faded out of the tangent where it is indefinite;
         "viscous" the same by an implicit viscous motion.
+    settle : {"overdamped", "dynamics"}
+        What chooses where a snap lands, with corrector "path": the limit of a motion without inertia, or motion with
+        the masses of the model and little damping, which may fly over shapes that the former stops at
+        (benchmarks/inertia.py).
+    damping : float
+        With settle "dynamics": share of the critical damping of the slowest motion about the landing.
 
     Examples
     --------
@@ -126,8 +149,10 @@ class LoadControl(_RangeAnalysis):
         on_instability: str = "follow",
         branch: int | None = None,
         corrector: str = "path",
+        settle: str = "overdamped",
+        damping: float = 0.05,
     ) -> None:
-        super().__init__(model, to, targets, step, tol, start, on_instability, branch, corrector)
+        super().__init__(model, to, targets, step, tol, start, on_instability, branch, corrector, settle, damping)
 
     def make_control(self, system: System) -> Control:
         require_drive(system, type(self).__name__, constant_counts=True)
@@ -171,6 +196,12 @@ class DisplacementControl(_RangeAnalysis):
         and land on another stable shape: "newton" by Newton's method at shorter and shorter increments, and downhill
         where it fails; "descent" downhill at once, with compression faded out of the tangent where it is indefinite;
         "viscous" the same by an implicit viscous motion.
+    settle : {"overdamped", "dynamics"}
+        What chooses where a snap lands, with corrector "path": the limit of a motion without inertia, or motion with
+        the masses of the model and little damping, which may fly over shapes that the former stops at
+        (benchmarks/inertia.py).
+    damping : float
+        With settle "dynamics": share of the critical damping of the slowest motion about the landing.
 
     Examples
     --------
@@ -196,10 +227,12 @@ class DisplacementControl(_RangeAnalysis):
         on_instability: str | None = None,
         branch: int | None = None,
         corrector: str = "path",
+        settle: str = "overdamped",
+        damping: float = 0.05,
     ) -> None:
         if on_instability is None:
             on_instability = "switch" if control is None else "follow"
-        super().__init__(model, to, targets, step, tol, start, on_instability, branch, corrector)
+        super().__init__(model, to, targets, step, tol, start, on_instability, branch, corrector, settle, damping)
         if control is not None:
             node, axis = control if isinstance(control, (tuple, list)) and len(control) == 2 else (None, None)
             if not isinstance(node, Node) or not isinstance(axis, str) or axis not in tuple(AXES[: model.dim]):

@@ -22,6 +22,8 @@ class PathSettings(Resumable):
     """Settings of a path analysis; a run of it is a :class:`~kirigami.analysis.path.walk.Walk`."""
 
     max_steps = 100_000
+    settle = "overdamped"
+    damping = 0.05
 
     def __init__(
         self,

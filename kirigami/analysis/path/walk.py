@@ -49,7 +49,16 @@ class Walk(PathRun):
         self.recorders = tuple(recorders)
         self.checkpoint: Checkpoint | None = None
         self.bar = ProgressBar(False, "")
-        self.steps: Steps = STEPS.get(settings.corrector, NewtonSteps)(self) if self.downhill else NewtonSteps(self)
+        self.steps: Steps = self._make_steps()
+
+    def _make_steps(self) -> Steps:
+        if not self.downhill:
+            return NewtonSteps(self)
+        if self.settings.settle == "dynamics":
+            from kirigami.analysis.path.inertial import InertialSteps  # what does not move needs no masses
+
+            return InertialSteps(self)
+        return STEPS.get(self.settings.corrector, NewtonSteps)(self)
 
     @property
     def memory(self) -> dict[str, Any]:
