@@ -9,8 +9,7 @@ The eight sheets of benchmarks/landing.py on meshes of about 500 nodes, t/L = 1e
 then held, and its highest or lowest node is pushed through to the other side. The corrector is "path" throughout; with
 settle="dynamics" each snap is left once more with masses, damped by 5 and by 2 % of the critical damping of the slowest
 motion about the landing. Two shapes at one load factor are the same where they differ by less than 2 % of the norm of
-the deflection. Only load factors at or after the first snap say something: before it there is nothing to choose. How
-much this depends on the short increments that bracket a snap, a run with halved ones tells.
+the deflection. Only load factors at or after the first snap say something: before it there is nothing to choose.
 
 Rows are appended to benchmarks/results/inertia.csv and shapes kept in a folder beside it, so the comparison can be
 interrupted and goes on where it was.

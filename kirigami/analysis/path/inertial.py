@@ -26,6 +26,7 @@ from kirigami.system.inertia import Inertia
 
 SWINGS = 40  # longest time steps in a period of the slowest motion about the overdamped landing
 AT_REST = 1e-3  # kinetic energy over a period, as a share of what was set free, at which the motion has come to rest
+BEGUN = 0.1  # share of the energy to be set free from which on the motion has begun
 PERIODS = 10.0  # most periods, times the time in which the damping takes a factor e
 TOLERANCE = 1e-6  # residual of a time step
 
@@ -63,7 +64,8 @@ class InertialSteps(StableSteps):
         period, lam = 2 * np.pi / frequency, start.lam
         steps = TimeSteps(motion, SCHEMES["damped"], period / SWINGS, lambda time: (lam, 0.0))
         moment = Moment(0.0, lam, 0.0, start.q, np.zeros(system.free))
-        free = motion.potential(moment) - sum(system.energies(point.state.u, lam).values())
+        first = motion.potential(moment)
+        free = first - sum(system.energies(point.state.u, lam).values())
         most = PERIODS / (2 * np.pi * damping)
         try:
             for number in range(int(np.ceil(most)) + 1):
@@ -71,7 +73,8 @@ class InertialSteps(StableSteps):
                 while moment.time < (number + 1) * period:
                     moment = steps.advance(moment, (number + 1) * period)[0]
                     largest = max(largest, motion.kinetic(moment))
-                if largest < AT_REST * free:
+                # Where stability is just lost the motion begins slowly: nothing has been set free yet.
+                if largest < AT_REST * free and first - motion.potential(moment) > BEGUN * free:
                     break
         except StepFailedError:
             return None
