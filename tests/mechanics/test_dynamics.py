@@ -277,3 +277,21 @@ def test_what_cannot_move_as_asked_is_refused() -> None:
     for wrong in ({"end": -1.0}, {"damping": (1.0, 2.0, 3.0)}, {"load": [(0, 1), (0, 2)]}, {"scheme": "explicit"}):
         with pytest.raises(kg.ModelError):
             kg.Dynamics(**{"model": spring(), "end": 1.0, "step": 0.1, **wrong})
+
+
+def test_ties_carry_masses_and_turned_nodes_move_along_arcs() -> None:
+    """Two tied masses swing as one; nodes that a support turns have the velocity of their arc, and its energy."""
+    m = spring(k=100.0, mass=0.25)
+    other = m.add(kg.Node(1, 1))
+    m.add(kg.Mass(other, 0.75), kg.Tie(other, m.nodes[1], "xy"))
+    velocity = [[0, 0], [1e-6, 0], [1e-6, 0]]
+    run = kg.Dynamics(m, end=0.5, step=2e-3, load=0.0, velocity=velocity, tol=1e-12).run()
+    assert np.abs(run.u[:, 2, 0] - 1e-7 * np.sin(10 * run.time)).max() < 1e-3 * 1e-7
+    turned = spring()
+    ends = turned.add(kg.Node(4, 0), kg.Node(6, 0))
+    turned.add(kg.Bar(*ends, 1.0), kg.Mass(ends, 1.0), kg.Turn(ends, angle=90.0, axis="z"))
+    run = kg.Dynamics(turned, end=1.0, step=0.05, load=lambda t: t).run()
+    speed = np.pi / 2
+    assert run.energy["kinetic"][1:] == pytest.approx(speed**2, rel=1e-5)
+    assert np.linalg.norm(run.velocity[1:, 2:], axis=2) == pytest.approx(speed, rel=1e-5)
+    assert run.position(3)[-1] == pytest.approx([5.0, 1.0, 0.0], abs=1e-9)
