@@ -39,6 +39,7 @@ _HOME = {
     "AreaLoad": "model.spread_loads",
     "EdgeMoment": "model.edge_moment",
     "Gravity": "model.spread_loads",
+    "Pressure": "model.pressure",
     "Mass": "elements.mass",
     "Calibration": "elements.stiffness",
     "System": "system.system",
@@ -152,6 +153,7 @@ if TYPE_CHECKING:
     from kirigami.model.grip import RigidLink as RigidLink
     from kirigami.model.loads import NodalLoad as NodalLoad
     from kirigami.model.model import Model as Model
+    from kirigami.model.pressure import Pressure as Pressure
     from kirigami.model.spread_loads import AreaLoad as AreaLoad
     from kirigami.model.spread_loads import EdgeLoad as EdgeLoad
     from kirigami.model.spread_loads import Gravity as Gravity

@@ -125,7 +125,7 @@ class Run:
             lam=float(lam),
             u=nodal,
             inner=inner,
-            negative=negative,
+            negative=negative if system.conservative else None,
             residual=residual,
             residual_over_reaction=unbalanced / reactions if reactions else float("nan"),
             iterations=iterations,
@@ -152,6 +152,16 @@ class Run:
         """The results, once all is in them."""
         self.count_seconds()
         return self.results
+
+
+def require_potential(system: System, owner: str) -> None:
+    """Raise a ModelError where a force has no potential, so that nothing can be said of stability."""
+    if not system.conservative:
+        names = ", ".join(sorted({kernel.name for kernel in system.kernels if not kernel.conservative}))
+        raise ModelError(
+            f"{owner}: the forces of {names} have no potential, so that stability cannot be counted and nothing runs "
+            "downhill; follow the path with on_instability='follow', or hold the rim of the pressure"
+        )
 
 
 def require_drive(system: System, owner: str, constant_counts: bool = False) -> None:

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from kirigami.analysis.base import Analysis, Run, require_drive
+from kirigami.analysis.base import Analysis, Run, require_drive, require_potential
 from kirigami.analysis.modes import Modes
 from kirigami.errors import AnalysisError, ModelError
 from kirigami.linalg import SingularMatrixError, critical_factors
@@ -65,6 +65,7 @@ class Buckling(Analysis):
         system = run.system
         system.straighten()
         require_drive(system, "Buckling")
+        require_potential(system, "Buckling")
         system.check_supports()
         if self.n > system.free:
             raise ModelError(f"Buckling: {self.n} modes asked for, but the model has only {system.free} unknowns")

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
-from kirigami.analysis.base import Analysis, Run
+from kirigami.analysis.base import Analysis, Run, require_potential
 from kirigami.analysis.modes import Modes
 from kirigami.errors import ModelError
 from kirigami.linalg import lowest_eigenpairs
@@ -70,6 +70,7 @@ class Eigen(Analysis):
         """Compute the modes."""
         run = Run(self)
         system = run.system
+        require_potential(system, "Eigen")
         if self.n > system.free:
             raise ModelError(f"Eigen: {self.n} modes asked for, but the model has only {system.free} unknowns")
         u, lam = np.zeros_like(system.rest), 0.0

@@ -102,16 +102,22 @@ class Surface:
 
     def _to_middles(self, weight: Array, ends: Index, share: Array) -> None:
         """Add to the rows of the middles of edges (k, 2), where elements have such."""
-        edges = self.numbering.edges
-        if edges is None:
+        if self.numbering.edges is None:
             return
+        rows = self.middles(ends)
+        there = rows >= 0  # not so where an element was taken out
+        np.add.at(weight, rows[there], share[there])
+
+    def middles(self, ends: Index) -> Index:
+        """Rows (k,) of the middles of edges (k, 2) of shell facets, -1 where there is none."""
+        edges = self.numbering.edges
+        assert edges is not None
         size = self.numbering.points
         key = edges.ends[:, 0] * size + edges.ends[:, 1]
         low, high = np.sort(ends, axis=1).T
         wanted = low * size + high
         at = np.minimum(np.searchsorted(key, wanted), len(key) - 1)  # edges are numbered in this order
-        there = key[at] == wanted  # not so where an element was taken out
-        np.add.at(weight, edges.middle[at[there]], share[there])
+        return np.where(key[at] == wanted, edges.middle[at], -1)
 
     def mass_per_area(self, owner: str) -> Array:
         """Mass per area (m,) of each facet."""

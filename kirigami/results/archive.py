@@ -40,6 +40,8 @@ KERNELS = {
     "FacetKernel": "elements.facet",
     "MassKernel": "elements.mass",
     "NodalLoadKernel": "model.loads",
+    "PressureKernel": "model.pressure",
+    "RimPressureKernel": "model.pressure",
     "ShellFacetKernel": "elements.shell_kernel",
     "SpringKernel": "effects.spring",
     "TorsionSpring3Kernel": "elements.torsion_spring",

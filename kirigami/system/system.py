@@ -374,6 +374,11 @@ class System(Unknowns):
             square = ((columns[:, high] - columns[:, low]) ** 2).sum(axis=0)
             return max(behind, float(np.sqrt((square / distance**2).max(initial=0.0))))
 
+    @property
+    def conservative(self) -> bool:
+        """Whether all forces have a potential."""
+        return all(kernel.conservative for kernel in self.kernels)
+
     # ---- history
 
     def commit(self, u: Array) -> None:

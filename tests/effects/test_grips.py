@@ -252,7 +252,7 @@ def test_what_cannot_be_is_refused() -> None:
 # ---- the twisted ribbon
 
 
-@pytest.mark.parametrize("twist", [0.03, 0.25])
+@pytest.mark.parametrize("twist", [0.03, pytest.param(0.25, marks=pytest.mark.long)])
 def test_torque_of_a_twisted_ribbon(twist: float) -> None:
     """M = G b t^3 / 3 tau + E t b^5 tau^3 / 360 for a ribbon that is free to shorten: long fibres are stretched and the
     middle is pressed (Green, Proc. R. Soc. A 154 (1936), 430). tau is measured in the middle, away from the grips."""

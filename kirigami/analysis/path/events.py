@@ -62,6 +62,8 @@ def report_events(
     `strict` raises a JumpError where `after` or `left` lies on another path, or where that cannot be excluded. `landed`
     is the turn by which a descent left the path on the way to `after` [rad]; 0 without one.
     """
+    if not run.system.conservative:
+        return  # without a potential the pivots count nothing
     events, index = run.results.events, len(run.results) - 1
     bracket = (before.state.lam, after.state.lam)
     reached = after if left is None else left

@@ -6,7 +6,7 @@ from functools import cached_property
 
 import numpy as np
 
-from kirigami.analysis.base import Run
+from kirigami.analysis.base import Run, require_potential
 from kirigami.analysis.path.controls import Control, LoadFactorControl
 from kirigami.analysis.path.descent import CORRECTORS, descend
 from kirigami.analysis.path.increments import Increments
@@ -42,6 +42,8 @@ class PathRun(Run):
         super().__init__(settings)
         self.settings = settings
         self.control: Control = settings.make_control(self.system)
+        if settings.on_instability != "follow":
+            require_potential(self.system, type(settings).__name__)
         self.system.check_supports()
 
     @property
