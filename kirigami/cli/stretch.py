@@ -53,7 +53,7 @@ Ends with 0 where the whole way was gone, 1 where the path ended early (what was
 written) or nothing could be done, 2 for wrong usage, 130 when interrupted (what was found is
 written)."""
 
-SHEET = "thickness", "E", "nu", "fold_stiffness", "fold_angle"
+SHEET = "thickness", "E", "nu", "density", "fold_stiffness", "fold_angle"
 COMPUTATION = "accuracy", "nodes", "max_edge", "stiffness", "imperfection", "seed", "shapes"
 
 
@@ -80,6 +80,9 @@ def add(commands: Any) -> None:
         type=_fold_angle,
         metavar="DEGREES",
         help="angle at which the folds rest, valleys up and mountains down; the sheet folds first (default: flat)",
+    )
+    sheet.add_argument(
+        "--density", type=quantity("density", "positive"), metavar="DENSITY", help="such as 1390kg/m3, for its weight"
     )
     pull = parser.add_argument_group("what is done")
     pull.add_argument(
@@ -115,6 +118,9 @@ def add(commands: Any) -> None:
         action="append",
         metavar="PLACE[=AXES]",
         help="hold a place: clamped, or along axes such as z or xz (default: the rim where no grips are)",
+    )
+    pull.add_argument(
+        "--weight", action="store_const", const=9.81, help="let the weight of the sheet act, from the start"
     )
     pull.add_argument("--cycle", action="store_true", default=None, help="go there and back again")
     work = parser.add_argument_group("the computation")
@@ -202,7 +208,7 @@ def _job(options: argparse.Namespace) -> Any:
     values["reading"] = {**values.get("reading", {}), **reading(options)}
     said: dict[str, Any] = {
         name: value
-        for name in ("strain", "direction", "grip", "shear", "twist", "cycle")
+        for name in ("strain", "direction", "grip", "shear", "twist", "weight", "cycle")
         if (value := getattr(options, name)) is not None
     }
     try:

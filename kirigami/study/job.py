@@ -34,9 +34,12 @@ if TYPE_CHECKING:
 
 KIND = "kirigami case"
 PARTS = {
-    "sheet": ("thickness", "E", "nu", "fold_stiffness", "fold_angle"),
+    "sheet": ("thickness", "E", "nu", "density", "fold_stiffness", "fold_angle"),
     "computation": ("accuracy", "nodes", "max_edge", "stiffness", "imperfection", "seed", "shapes"),
 }
+QUANTITIES = {
+    "thickness": "length", "E": "stress", "density": "density", "max_edge": "length", "imperfection": "length",
+}  # fmt: skip
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,6 +68,8 @@ class Job:
         Moment per angle and length of the folds of the drawing [N / rad]; None takes that of :class:`kirigami.Fold`.
     fold_angle : float
         Angle at which they rest [degrees]; see :meth:`kirigami.drawing.drawing.Drawing.sheet`.
+    density : float or str, optional
+        Of the material [kg / m^3], for its weight.
 
     Examples
     --------
@@ -92,6 +97,7 @@ class Job:
     reading: dict[str, Any] = field(default_factory=dict)
     fold_stiffness: float | str | None = None
     fold_angle: float = 0.0
+    density: float | str | None = None
 
     def __post_init__(self) -> None:
         if not hasattr(self.drawing, "outline"):
@@ -101,10 +107,9 @@ class Job:
             rung_named(self.stiffness, "Job")
         require_choice(self.accuracy, ACCURACY, "accuracy", "Job")
         require_mapping(self.reading, "reading", "Job")
-        for name in ("thickness", "E", "max_edge", "imperfection"):
-            value = getattr(self, name)
-            if value is not None or name in ("thickness", "E"):
-                units.parse(value, "stress" if name == "E" else "length")
+        for name, kind in QUANTITIES.items():
+            if (value := getattr(self, name)) is not None or name in ("thickness", "E"):
+                units.parse(value, kind)
         if self.fold_stiffness is not None:
             require_not_negative(units.parse(self.fold_stiffness, "force"), "fold_stiffness", "Job")
         require_between(self.fold_angle, -180.0, 180.0, "fold_angle", "Job")

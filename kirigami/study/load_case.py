@@ -52,6 +52,9 @@ class LoadCase:
     hold : place, or mapping or sequence of pairs (place, str)
         Places that are held, and how: "clamp" (the default), which keeps their direction too where they hold edges or
         facets, or axes out of "xyz".
+    weight : float
+        Acceleration by which the sheet's own weight acts, from the start and downwards [length / time^2]: 9.81 in SI
+        units, for a material with a density; 0 for none.
     cycle : bool
         Go there and back again.
 
@@ -73,6 +76,7 @@ class LoadCase:
     twist: float
     lift: tuple[tuple[Place, float], ...]
     hold: tuple[tuple[Place, str], ...]
+    weight: float
     cycle: bool
 
     def __init__(
@@ -85,6 +89,7 @@ class LoadCase:
         twist: float = 0.0,
         lift: Mapping[Any, float] | Iterable[tuple[Any, float]] = (),
         hold: Any = (),
+        weight: float = 0.0,
         cycle: bool = False,
     ) -> None:
         pull_direction(direction)
@@ -100,10 +105,13 @@ class LoadCase:
                 raise ModelError(f"LoadCase: {where.text} is lifted by nothing: hold it, or say how far")
         if abs(twist) > 360 * MOST_TURNS:
             raise ModelError(f"LoadCase: a twist of {twist:.6g} degrees is more than {MOST_TURNS} turns")
+        weight = require_not_negative(weight, "weight", "LoadCase")
         moved = bool(lifted or shear or twist)
         if strain is None:
             strain = 0.0 if moved else STRAIN
         strain = require_finite(strain, "strain", "LoadCase")
+        if strain == 0 and not moved and weight:
+            raise ModelError("LoadCase: the weight alone moves no grip and no place: lift, pull or twist as well")
         if strain == 0 and not moved:
             raise ModelError("stretch: strain must be a number other than zero: negative to push, positive to pull")
         if strain <= -1:
@@ -112,7 +120,7 @@ class LoadCase:
             grip = require_not_negative(grip, "grip", "stretch")
         values = {
             "strain": strain, "direction": direction, "grip": grip, "shear": shear, "twist": twist, "lift": lifted,
-            "hold": held, "cycle": require_boolean(cycle, "cycle", "stretch"),
+            "hold": held, "weight": weight, "cycle": require_boolean(cycle, "cycle", "stretch"),
         }  # fmt: skip
         for name, value in values.items():
             object.__setattr__(self, name, value)

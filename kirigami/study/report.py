@@ -297,6 +297,7 @@ def run_job(job: Job, progress: bool, say: Callable[[str], None]) -> Report:
         say(words)
 
     thick, modulus = units.parse(job.thickness, "length"), units.parse(job.E, "stress")
+    density = None if job.density is None else units.parse(job.density, "density")
     if isinstance(job.drawing, (str, os.PathLike)):
         name, drawn = Path(job.drawing).stem, _read_in_metres(job.drawing, thick, _with_marks(job), say)
     else:
@@ -304,7 +305,8 @@ def run_job(job: Job, progress: bool, say: Callable[[str], None]) -> Report:
     case = job.case.in_drawing(drawn.layers) if any(where.kind == "layer" for where in job.case.places) else job.case
     stiffness = None if job.fold_stiffness is None else units.parse(job.fold_stiffness, "force")
     angle = math.radians(job.fold_angle)
-    sheet = drawn.sheet(thick, Material(E=modulus, nu=job.nu), fold_stiffness=stiffness, fold_angle=angle)
+    material = Material(E=modulus, nu=job.nu, density=density)
+    sheet = drawn.sheet(thick, material, fold_stiffness=stiffness, fold_angle=angle)
     setting = set_up(case, sheet)
     grips, drive = setting.grips, setting.drives[0]
     for doubt in units.doubts(thickness=thick, size=max(_size(sheet.bounds)), E=modulus, strain=case.strain):
@@ -314,6 +316,8 @@ def run_job(job: Job, progress: bool, say: Callable[[str], None]) -> Report:
     if sheet.folds:
         note(_folds_in_words(sheet, thick, modulus, job.nu))
     note(f"thickness {units.show(thick, 'length')}, E {units.show(modulus, 'stress')}, nu {job.nu:g}")
+    if case.weight:
+        note(f"under its own weight from the start, g = {case.weight:g} m/s2")
     back = " and back" if case.cycle else ""
     for drive in setting.drives:
         whole = drive.says(1.0, si=True)

@@ -9,6 +9,7 @@ import numpy as np
 
 from kirigami.errors import ModelError
 from kirigami.model.constraints import Fix, Prescribe
+from kirigami.model.spread_loads import Gravity
 from kirigami.primitives.node import AXES
 from kirigami.results.drives import Drive
 from kirigami.study.grips import Grips, find_grips
@@ -73,6 +74,8 @@ class Setting:
             model.add(Prescribe(nodes, z=by))
             chosen[name] = nodes
             taken |= dict.fromkeys(map(id, nodes), name)
+        if case.weight:
+            model.add(Gravity((0, 0, -case.weight), constant=True))
         lifted = {id(node) for name, nodes in chosen.items() if name.startswith("lifted") for node in nodes}
         for where, how in self._held():
             name = f"held {where.text}"

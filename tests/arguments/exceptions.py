@@ -90,7 +90,7 @@ ACCEPTED: dict[tuple[str, str], tuple[str, tuple[str, ...]]] = {
     ("study.Job", "reading"): ("no options", ("dict",)),
     **dict.fromkeys(
         (("study.Job", "thickness"), ("study.Job", "E"), ("study.Job", "max_edge"), ("study.Job", "imperfection"),
-         ("study.Job", "fold_stiffness")),
+         ("study.Job", "density"), ("study.Job", "fold_stiffness")),
         ("a number without a unit is in SI units", ("number as text",)),
     ),
     ("TriMesh.with_cuts", "cuts"): ("as in TriMesh: every inner boundary is a cut", ("None",)),
