@@ -16,6 +16,7 @@ import kirigami as kg
 from kirigami import cli
 from kirigami.analysis.path.methods import PathAnalysis
 from kirigami.cli import demo
+from kirigami.cli.options import in_words_of_the_command
 
 DRAWINGS = Path(__file__).parent / "data" / "drawings"
 PLATE = str(DRAWINGS / "inkscape_layers_mm.svg")  # 120 x 80 mm, three slits and a hole
@@ -425,3 +426,155 @@ def test_a_ligament_thinner_than_the_sheet_is_told_with_its_figure(
     report = json.loads((tmp_path / "out" / "report.json").read_text())
     assert any("0.5 times the thickness" in note for note in report["notes"])
     assert 0 < report["numbers"]["error"]["force"] < 1 and any("estimated error" in note for note in report["notes"])
+
+
+# ---- what holds for every command
+
+RESULTS = "made.npz"
+TABLE = {
+    "demo": ["--folder", "d", "--frames", "2"],
+    "stretch": [PLATE, *SHEET, "--folder", "s"],
+    "accuracy": [PLATE, "--sizes", "40mm", "--stiffness", "plate", "--strain", "0.05%", "--reference", "shell.csv",
+                 "--tolerance", "1mm", "--folder", "a"],
+    "mesh": [PLATE, "--max-edge", "20mm", "-o", "m.fold"],
+    "info": [PLATE],
+    "export": [RESULTS, "x.csv", "x.html"],
+}  # fmt: skip
+
+
+def test_the_table_holds_every_command() -> None:
+    from argparse import _SubParsersAction
+
+    (commands,) = (item for item in cli.make_parser()._actions if isinstance(item, _SubParsersAction))
+    assert set(commands.choices) == set(TABLE)
+
+
+@pytest.fixture
+def plain(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Reports without pictures and pages, which other tests look at."""
+    monkeypatch.setattr("kirigami.study.report_picture.write_pictures", lambda report, folder: [])
+    monkeypatch.setattr("kirigami.io.vtk.write_vtk", lambda results, folder: [])
+
+
+@pytest.fixture
+def workplace(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A folder with the files that the table of commands names."""
+    monkeypatch.chdir(tmp_path)
+    m = kg.Model(dim=2, name="bar")
+    a, b = m.add(kg.Node(0, 0), kg.Node(2, 0))
+    m.add(kg.Bar(a, b, EA=10.0), kg.Fix(a), kg.Fix(b, "y"), kg.NodalLoad(b, (1, 0)))
+    kg.LinearStatic(m).run().save(tmp_path / RESULTS)
+    (tmp_path / "shell.csv").write_text("load_factor,force\n0,0\n0.5,10\n1,20\n")
+    return tmp_path
+
+
+@pytest.mark.parametrize("command", TABLE)
+@pytest.mark.filterwarnings("ignore")
+def test_every_command_is_silent_or_speaks_json(
+    command: str, coarse: None, short: None, plain: None, workplace: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """0 where all went well; --quiet leaves stdout empty; --json leaves one object there and nothing else."""
+    if command not in ("demo", "stretch", "accuracy"):  # which take seconds, and whose silence is tested above
+        assert cli.main([command, *TABLE[command], "--quiet"]) == 0
+        said = capsys.readouterr()
+        assert said.out == "" and "Traceback" not in said.err
+    assert cli.main([command, *TABLE[command], "--json", "--quiet"]) == 0
+    assert isinstance(json.loads(capsys.readouterr().out), dict)
+    assert not list(workplace.rglob("*.part*"))
+
+
+@pytest.mark.parametrize("command", TABLE)
+def test_every_command_ends_with_2_for_wrong_usage_and_with_1_for_a_missing_file(
+    command: str, workplace: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    with pytest.raises(SystemExit) as ended:
+        cli.main([command, *TABLE[command], "--no-such-option"])
+    assert ended.value.code == 2 and "usage: kirigami" in capsys.readouterr().err
+    words = ["absent.dxf" if word in (PLATE, RESULTS) else word for word in TABLE[command]]
+    if command == "demo":
+        (workplace / "d").write_text("a file where the folder is to be")
+    assert cli.main([command, *words]) == 1
+    said = capsys.readouterr().err
+    assert said.startswith("kirigami: ") and len(said.splitlines()) == 1
+    assert ("d" if command == "demo" else "absent.dxf") in said
+
+
+@pytest.mark.parametrize("words", [["--help"], ["stretch", "--help"], ["info", PLATE], ["info", PLATE, "--json"]])
+def test_a_reader_that_has_enough_is_no_error(words: list[str], monkeypatch: pytest.MonkeyPatch) -> None:
+    """`kirigami ... | head -0`, for the help as well; nothing is left for Python to complain about as it ends."""
+    read, write = os.pipe()
+    os.close(read)
+    with open(write, "w") as closed:
+        monkeypatch.setattr(sys, "stdout", closed)
+        assert cli.main(words) == 0
+        closed.flush()
+
+
+def test_hints_speak_the_language_of_the_command_line() -> None:
+    for python, command in (
+        ("use a mesh without a pattern, or stiffness='shell'", "use a mesh without a pattern, or --stiffness shell"),
+        ("by 3. kirigami.stiffness.report(mesh) has the numbers; use a finer mesh", "by 3.; use a finer mesh"),
+        ("Hint: the path so far is in error.results; another amplitude", "Hint: what was found is written; another"),
+        ("LoadCase: rim is held", "rim is held"), ("give `max_edge=2`", "give --max-edge 2"),
+    ):  # fmt: skip
+        assert in_words_of_the_command(python).startswith(command)
+
+
+# ---- load cases
+
+
+def test_motions_and_places_are_options(plain: None, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    words = ["stretch", PLATE, *SHEET, "--shear", "0.1%", "--twist", "2", "--push", "90mm,20mm", "0.1mm"]
+    assert cli.main([*words, "--hold", "left=z", "--folder", str(tmp_path / "a"), "--json"]) == 0
+    numbers = json.loads(capsys.readouterr().out)
+    assert numbers["shear"] == pytest.approx(1e-3) and numbers["twist"] == pytest.approx(2)
+    assert numbers["lift_90mm_20mm"] == pytest.approx(-1e-4) and numbers["force_90mm_20mm"] != 0
+    again = ["stretch", str(tmp_path / "a" / "case.json"), "--twist", "0", "--folder", str(tmp_path / "b"), "--json"]
+    assert cli.main(again) == 0
+    changed = json.loads(capsys.readouterr().out)
+    assert "twist" not in changed and changed["shear"] == numbers["shear"] and changed["nodes"] == numbers["nodes"]
+
+
+@pytest.mark.parametrize(
+    "words, complaint",
+    [
+        (["--lift", "nowhere", "1mm"], "is no place: say left"), (["--lift", "centre", "high"], "is no length"),
+        (["--lift", "centre", "0"], "must be positive"), (["--twist", "far"], "no angle in degrees"),
+        (["--hold", "rim=up"], "held by 'clamp', or along axes"), (["--weight", "--strain", "0"], "weight alone"),
+    ],
+)  # fmt: skip
+def test_motions_that_make_no_sense_are_wrong_usage(
+    words: list[str], complaint: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    with pytest.raises(SystemExit) as ended:
+        cli.main(["stretch", PLATE, *SHEET, *words])
+    assert ended.value.code == 2 and complaint in capsys.readouterr().err
+
+
+def test_a_measured_curve_is_compared(plain: None, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    file = tmp_path / "test.csv"
+    file.write_text("displacement [mm],force [N]\n0,0\n0.08,30\n0.16,60\n")
+    words = ["stretch", PLATE, *SHEET, "--folder", str(tmp_path / "out"), "--compare", str(file)]
+    assert cli.main(words) == 0
+    assert "measured curve test.csv: RMS difference" in capsys.readouterr().out
+    file.write_text("time,load\n1,2\n")
+    assert cli.main([*words[:-3], str(tmp_path / "other"), "--compare", str(file)]) == 1
+    assert "test.csv" in capsys.readouterr().err and not (tmp_path / "other").exists()
+
+
+def test_pictures_films_and_bodies_are_exported(
+    plain: None, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    pytest.importorskip("trimesh")
+    assert cli.main(["stretch", PLATE, *SHEET, "--folder", str(tmp_path), "--quiet"]) == 0
+    saved = str(tmp_path / "results.npz")
+    names = [str(tmp_path / name) for name in ("a.png", "a.gif", "a.stl")]
+    words = ["export", saved, *names, "--color", "stress", "--step", "2", "--thickness", "2mm", "--frames", "2"]
+    assert cli.main(words) == 0
+    assert [Path(name).read_bytes()[:4] for name in names[:2]] == [b"\x89PNG", b"GIF8"]
+    import trimesh
+
+    body = trimesh.load(names[2])
+    assert body.extents[:2] == pytest.approx((120, 80), rel=0.01) and body.extents[2] >= 2  # mm
+    assert cli.main(["export", saved, str(tmp_path / "b.png"), "--step", "99"]) == 1
+    assert "step 99 is not stored" in capsys.readouterr().err and not (tmp_path / "b.png").exists()

@@ -50,6 +50,18 @@ def main(arguments: Sequence[str] | None = None) -> int:
     Traceback (most recent call last):
     SystemExit: 0
     """
+    try:
+        try:
+            return _run(arguments)
+        finally:
+            sys.stdout.flush()
+    except BrokenPipeError:  # whoever read the words has enough of them
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return 0
+
+
+def _run(arguments: Sequence[str] | None) -> int:
+    """Run the command line; what its reader does not want to hear is left to the caller."""
     parser = make_parser()
     options = parser.parse_args(arguments)
     if options.command is None:
@@ -58,15 +70,12 @@ def main(arguments: Sequence[str] | None = None) -> int:
     try:
         with warnings.catch_warnings():
             warnings.showwarning = _say_warning
-            code = int(options.run(options))
-            sys.stdout.flush()
-            return code
+            return int(options.run(options))
     except kg.KirigamiError as error:
         print(f"kirigami: {in_words_of_the_command(str(error))}", file=sys.stderr)
         return 1
-    except BrokenPipeError:  # whoever read the words has enough of them
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-        return 0
+    except BrokenPipeError:
+        raise
     except OSError as error:
         where = f": {error.filename}" if error.filename else ""
         print(f"kirigami: {error.strerror or error}{where}", file=sys.stderr)

@@ -16,6 +16,13 @@ from kirigami.errors import ModelError
 READING = ("drawn_in", "outline", "cuts", "folds", "ignore", "tolerance", "part", "frame")
 LARGEST = {"length": 1e9, "stress": 1e18, "force": 1e12, "density": 1e9, "ratio": 1e6}  # SI; beyond, it is a slip
 WORDS = {"allow_parts=True": "--part 1"}  # what Python calls otherwise
+PYTHON = (  # what only a script can do, and what it calls otherwise
+    (r";? ?kirigami\.stiffness\.report\(mesh\) has the numbers(; u|, u)", r"; u"),
+    (r";? ?kirigami\.stiffness\.report\(mesh\) has the numbers", ""),
+    (r"the path so far is in error\.results; another amplitude", "what was found is written; another --imperfection"),
+    (r"\bstiffness=['\"](\w+)['\"]", r"--stiffness \1"),
+    (r"^(?:stretch|LoadCase|Job(?:\.\w+)?|export|to_surface|to_html|animate|plot|units\.\w+): ", ""),
+)
 
 
 def add_command(
@@ -67,7 +74,10 @@ def in_words_of_the_command(text: str) -> str:
         return f"{name} {shlex.quote(value)}" if match[2] else name
 
     names = "|".join((*READING, "allow_parts", "max_edge", "grip", "thickness", "fold_stiffness", "fold_angle", "kerf"))
-    return re.sub(rf"`({names})(?:=([^`]*))?`", option, text)
+    told = re.sub(rf"`({names})(?:=([^`]*))?`", option, text)
+    for pattern, words in PYTHON:
+        told = re.sub(pattern, words, told)
+    return told
 
 
 def _tolerance(text: str) -> float | str:
