@@ -379,7 +379,7 @@ CALLS: dict[str, Callable[[], Call]] = {
     "Turn.held": lambda: (kg.Turn(kg.Node(1, 0), 30.0).held, {"lam": 0.5}),
     "LoadCase": lambda: (
         kg.LoadCase,
-        {"strain": 0.1, "grip": 0.01, "shear": 0.1, "twist": 1.0, "weight": 1.0, "lift": {"centre": 0.1}, "hold": "top"},
+        {"strain": 0.1, "grip": 0.1, "shear": 0.1, "twist": 1.0, "weight": 1.0, "lift": {"top": 0.1}, "hold": "left"},
     ),
     "LoadCase.in_drawing": lambda: (
         kg.LoadCase(hold="layer:marks").in_drawing,
