@@ -41,7 +41,8 @@ class Results(ModelRecord):
     supports : tuple of Support
         What was held, driven and tied, by name; see :class:`kirigami.results.supports.Support`.
     stats : dict
-        "iterations", "factorizations", "steps", "cutbacks", "relaxations", "backend", and "seconds" per part.
+        "iterations", "factorizations", "steps", "cutbacks", "relaxations", "backend", and "seconds" per part; of a motion
+        that should keep energy also "energy_drift", the largest change of it over the largest kinetic energy.
     grip_nodes : dict of str to ndarray of int
         Indices of the nodes of the grips, where there are some.
     shapes : ShapeStudy or None
@@ -483,6 +484,9 @@ class Results(ModelRecord):
                 f"{self.lam[0]:.6g} to {self.lam[-1]:.6g}, kinetic energy at most {kinetic.max():.4g}, "
                 f"{kinetic[-1]:.4g} at the end; energy stored at the end {stored:.4g}"
             )
+            if "energy_drift" in self.stats:
+                drift = self.stats["energy_drift"]
+                lines.append(f"total energy kept within {drift:.1e} of the largest kinetic energy")
         elif self.steps:
             stable = int(np.count_nonzero(self.stable))
             lines.append(

@@ -22,7 +22,7 @@ NOT_CALLED: dict[str, str] = {
     **dict.fromkeys(
         """Kernel Kernel.* *.lower *.reserve Bar.held Facet.held BendHinge.held TorsionSpring3.held Crease.held
         Contribution Tangent displacement_of ModelObject Numbering* stiffness.SheetConstants.* *.elasticity
-        *.weights Laminate.section Laminate.checked_thickness""".split(),
+        *.weights *.section *.checked_thickness *.mass_per_area""".split(),
         CONTRACT,
     ),
     **dict.fromkeys(("*Error", "*Warning"), ERRORS),
