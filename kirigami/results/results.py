@@ -41,8 +41,8 @@ class Results(ModelRecord):
     supports : tuple of Support
         What was held, driven and tied, by name; see :class:`kirigami.results.supports.Support`.
     stats : dict
-        "iterations", "factorizations", "steps", "cutbacks", "relaxations", "backend", and "seconds" per part; of a motion
-        that should keep energy also "energy_drift", the largest change of it over the largest kinetic energy.
+        "iterations", "factorizations", "steps", "cutbacks", "relaxations", "backend", and "seconds" per part; and
+        "energy_drift" of a motion that should keep energy, its largest change over the largest kinetic energy.
     grip_nodes : dict of str to ndarray of int
         Indices of the nodes of the grips, where there are some.
     shapes : ShapeStudy or None

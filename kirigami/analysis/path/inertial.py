@@ -104,10 +104,12 @@ class InertialSteps(StableSteps):
         try:
             return Inertia(system, "consistent")
         except ModelError:
-            area, mesh = np.ones(system.points), system.model.mesh
+            area: Array = np.ones(system.points)
+            mesh = system.model.mesh
             if mesh is not None:
-                area = np.bincount(mesh.triangles.ravel(), np.repeat(mesh.facet_areas / 3, 3), system.points)
-            return Inertia(system, np.asarray(area, dtype=float))
+                shares = np.repeat(mesh.facet_areas / 3, 3)
+                area = np.asarray(np.bincount(mesh.triangles.ravel(), shares, system.points), dtype=float)
+            return Inertia(system, area)
 
     def _frequency(self, factor: Factor) -> float:
         """Circular frequency of the slowest motion about a stable equilibrium, by power iteration."""
