@@ -11,10 +11,11 @@
 * squares: 0.1 x 0.1 m and two margins, 5 x 5 perpendicular slits of 34 mm, 0.1 mm, pulled by 10 %
 * four slits: 0.1 x 0.06 m, four slits of 40 mm across in two rows, 0.1 mm, pulled by 10 %
 
-All flat (the disc with the bumps of its example), searched on "plate" by kg.study.shapes (seed 0, 40 trials), the lowest
-shape followed in the pull, and the two lowest ones relaxed on "shell" on the same mesh. A line of each sheet says after
-how many CPU seconds of trials its lowest shape was known. Rows are kept in benchmarks/results/which_shapes.csv, and the trials of
-a search in a folder beside it, so that it can be interrupted and goes on where it was.
+All flat (the disc with the bumps of its example), searched on "plate" by kg.study.shapes (seed 0, 40 trials), the
+lowest shape followed in the pull, and the two lowest ones relaxed on "shell" on the same mesh. A line of each sheet
+says after how many CPU seconds of trials its lowest shape was known. Rows are kept in
+benchmarks/results/which_shapes.csv, and the trials of a search in a folder beside it, so that it can be interrupted and
+goes on where it was.
 """
 
 from __future__ import annotations
