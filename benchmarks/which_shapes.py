@@ -32,7 +32,7 @@ import shapely
 import kirigami as kg
 from kirigami.cli.demo import GRIP, PULL, demo_sheet
 from kirigami.study.grips import find_grips
-from kirigami.study.stretch import default_mesh, held_model
+from kirigami.study.stretch import default_mesh
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "examples"))
 MYLAR = kg.Material(E=3.5e9, nu=0.34)
@@ -54,7 +54,9 @@ def ribbon() -> kg.Model:
 def pulled(sheet: kg.Sheet, strain: float, grip: float | None = None) -> kg.Model:
     """A sheet between clamps along y."""
     grips = find_grips(sheet, "y", grip)
-    return held_model(default_mesh(sheet, grips, NODES, None), grips, strain, "plate")[0]
+    m = kg.Model.from_mesh(default_mesh(sheet, grips.lines(), NODES, None), stiffness="plate")
+    grips.hold(m, strain * grips.free_length)
+    return m
 
 
 def demo() -> kg.Model:
