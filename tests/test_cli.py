@@ -61,7 +61,8 @@ def test_demo_writes_its_files_and_says_the_numbers(
     force = results.reaction(top.tolist(), "y")
     said = capsys.readouterr()
     opened = f"open area {results.open_area(union=True)[-1]:.4g} m2"
-    for number in (f"nodes {len(results.rest)}, ", f"largest force {force.max():.4g} N at strain", opened):
+    shape = "one stable shape of many: --shapes looks for the others"
+    for number in (f"nodes {len(results.rest)}, ", f"largest force {force.max():.4g} N at strain", opened, shape):
         assert number in said.out
     assert "strain 18.1 % = 400 mm of grip displacement / 2.21 m between the grips" in said.out
     assert "Animation" in said.err  # progress goes to the other stream, out of the way of a pipe

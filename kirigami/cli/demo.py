@@ -20,9 +20,11 @@ back, page.html, vtk/) and an animation, stretch.gif."""
 EPILOG = """\
 examples:
   kirigami demo                    pictures and numbers in ./demo
+  kirigami demo --shapes           also look which other shapes the sheet can take, some minutes more
   kirigami demo --full             the same on a mesh as fine as that of the published study
   kirigami demo --folder out -q    say nothing, write to ./out"""
 
+ONE_OF_MANY = "this is where a slow pull leads, one stable shape of many: --shapes looks for the others, some minutes more"
 GRIP, PULL = 0.095, 0.4  # m
 FULL = 7500  # nodes of the mesh of the published study
 
@@ -38,6 +40,9 @@ def add(commands: Any) -> None:
         epilog=EPILOG,
     )
     parser.add_argument("--full", action="store_true", help=f"a mesh of up to {FULL:,} nodes")
+    parser.add_argument(
+        "--shapes", action="store_true", help="also look which other shapes it can take: shapes.csv, shapes.png"
+    )
     parser.add_argument("--folder", type=Path, default=Path("demo"), help="where to write (default: %(default)s)")
     parser.add_argument(
         "--frames", type=_frames, default=40, metavar="N", help="pictures in the animation (default: %(default)s)"
@@ -64,8 +69,8 @@ def run(options: argparse.Namespace) -> int:
     notes: list[str] = []
     try:
         results = kg.stretch(
-            sheet, strain, "y", grip=GRIP, nodes=FULL if options.full else None, progress=not options.quiet,
-            say=notes.append,
+            sheet, strain, "y", grip=GRIP, nodes=FULL if options.full else None, shapes=options.shapes,
+            progress=not options.quiet, say=notes.append,
         )  # fmt: skip
     except kg.ConvergenceError as error:
         if error.results is None or not len(error.results):
@@ -79,6 +84,8 @@ def run(options: argparse.Namespace) -> int:
     report = Report(results, job, (*notes, *map(str, results.events)), grips.free_length)
     for line in (*report.notes, *report.text().splitlines()):
         say(f"  {line}")
+    if results.shapes is None:
+        say(f"  {ONE_OF_MANY}")
     files = write_report(report, options.folder, lambda words: print(f"kirigami: {words}", file=sys.stderr))
     if len(results) > 1:
         with progress_bar(not options.quiet, "Animation") as bar:
