@@ -20,11 +20,11 @@ back, page.html, vtk/) and an animation, stretch.gif."""
 EPILOG = """\
 examples:
   kirigami demo                    pictures and numbers in ./demo
-  kirigami demo --shapes           also look which other shapes the sheet can take, some minutes more
+  kirigami demo --shapes           also look which other shapes there are, minutes more
   kirigami demo --full             the same on a mesh as fine as that of the published study
   kirigami demo --folder out -q    say nothing, write to ./out"""
 
-ONE_OF_MANY = "this is where a slow pull leads, one stable shape of many: --shapes looks for the others, some minutes more"
+ONE_OF_MANY = "where a slow pull leads is one stable shape of many: --shapes looks for the others, some minutes more"
 GRIP, PULL = 0.095, 0.4  # m
 FULL = 7500  # nodes of the mesh of the published study
 
