@@ -185,12 +185,13 @@ def test_which_shape_the_pull_led_to_is_told(tmp_path: Path, monkeypatch: pytest
     """In the summary, the report, the page and the file; the end of the pull is one of the shapes that are known."""
     from kirigami.study import shapes as search
 
-    monkeypatch.setitem(search.__kwdefaults__, "trials", 6)
+    monkeypatch.setitem(search.__kwdefaults__, "trials", 2)
+    monkeypatch.setitem(search.__kwdefaults__, "confirm", False)
     monkeypatch.setitem(search.__kwdefaults__, "most", 1)
     monkeypatch.setitem(search.__kwdefaults__, "followed", 0)
     drawing = Drawing(shapely.box(0, 0, 0.06, 0.1), tuple(two_slits().cuts), ())
     report = kg.study.stretch_drawing(
-        drawing, thickness=2e-4, E=3.5e9, strain=0.05, accuracy="draft", nodes=120, shapes=True
+        drawing, thickness=2e-4, E=3.5e9, strain=0.05, accuracy="draft", nodes=60, shapes=True
     )
     res = report.results
     assert any(shape.reached_by == "given" for shape in res.shapes) and res.shapes.which(res[-1]) is not None
