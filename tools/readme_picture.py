@@ -42,7 +42,7 @@ def draw(shapes: list[tuple[str, Results]]) -> Any:
     for place, (title, results) in enumerate(shapes, start=1):
         ax = figure.add_subplot(1, len(shapes), place, projection="3d")
         results.plot(ax=ax, colorbar=False)
-        ax.set_title(title)
+        ax.set_title(title, y=0.93)
         ax.set_axis_off()
     return figure
 
@@ -62,7 +62,7 @@ def main() -> None:
         shape = found.which(step)
         assert shape is not None
         drawn.append((f"{title}: {1e3 * shape.energy:.1f} mJ, {shape.force:.2f} N", results))
-    draw(drawn).savefig(ROOT / "docs" / "images" / "ribbon.png", dpi=110)
+    draw(drawn).savefig(ROOT / "docs" / "images" / "ribbon.png", dpi=110, bbox_inches="tight")
 
 
 if __name__ == "__main__":
