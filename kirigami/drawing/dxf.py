@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import logging
 import os
 import re
+import warnings
 from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import Any
@@ -11,13 +13,13 @@ from typing import Any
 import numpy as np
 
 from kirigami.drawing.arcs import circles_of
-from kirigami.drawing.curves import Curve, Floats, all_at_once, flattened, scale_of, scaled
+from kirigami.drawing.curves import Curve, Floats, all_at_once, counted, flattened, scale_of, scaled
 from kirigami.drawing.drawing import Drawing, assemble
 from kirigami.drawing.dxf_entities import COLORS as INDEX_COLORS
-from kirigami.drawing.dxf_entities import Reader, source_of
+from kirigami.drawing.dxf_entities import Reader, source_of, unreadable
 from kirigami.drawing.roles import COLORS, Names, Roles
 from kirigami.drawing.strokes import Stroke, strokes
-from kirigami.errors import GeometryError
+from kirigami.errors import GeometryError, KirigamiWarning
 from kirigami.files import library, whole_file
 from kirigami.primitives.checks import require_between, require_choice, require_path
 from kirigami.units import metres_per
@@ -96,8 +98,15 @@ def read_dxf(
     """
     path = require_path(path, "path", "read_dxf", GeometryError)
     flatness = require_between(flatness, 1e-9, 1.0, "flatness", "read_dxf", GeometryError)
-    document = _document(path)
+    document, repaired = _document(path)
     notes = [f"{path.name}: DXF {document.acad_release}"]
+    if repaired:
+        text = (
+            f"{path.name} is damaged: {counted(len(repaired), 'value')} that could not be read may now be wrong, the "
+            f"first: {repaired[0]}"
+        )
+        warnings.warn(text, KirigamiWarning, stacklevel=3)
+        notes.append(text)
     # ezdxf fills in metres where a file says nothing, so that the file itself must be asked.
     says_unit = b"$INSUNITS" in path.read_bytes()
     stated = INSUNITS.get(document.header.get("$INSUNITS", 0)) if says_unit else None
@@ -126,24 +135,50 @@ def read_dxf(
     return assemble(curves, roles, unit=unit, tolerance=tolerance, notes=notes, shown=shown, part=part)
 
 
-def _document(path: Path) -> Any:
+def _document(path: Path) -> tuple[Any, list[str]]:
+    """The document of a file, and what was repaired in it."""
     ezdxf = library("ezdxf", "reading and writing DXF drawings")
     recover = library("ezdxf.recover", "reading DXF drawings")
     if not path.is_file():
         raise GeometryError(f"there is no file {path}")
     if path.stat().st_size == 0:
         raise GeometryError(f"{path} is empty")
-    try:
-        return ezdxf.readfile(path)
-    except Exception as first:
-        # ezdxf lets many kinds of error out of a file that is cut off, StopIteration among them.
-        if not _looks_like_dxf(path):
-            raise GeometryError(f"{path} is no DXF file ({first})") from None
-        try:  # many programs write files that are not quite right
-            return recover.readfile(path)[0]
-        except Exception as error:
-            why = str(first) or str(error) or "it ends too early"
-            raise GeometryError(f"{path} is a broken DXF file: {why}") from None
+    with _Listener("ezdxf") as listener:
+        try:
+            return ezdxf.readfile(path), listener.heard
+        except Exception as first:
+            # ezdxf lets many kinds of error out of a file that is cut off, StopIteration among them.
+            if not _looks_like_dxf(path):
+                raise GeometryError(f"{path} is no DXF file ({first})") from None
+            listener.heard.clear()
+            try:  # many programs write files that are not quite right
+                return recover.readfile(path)[0], listener.heard
+            except Exception as error:
+                why = str(first) or str(error) or "it ends too early"
+                raise GeometryError(f"{path} is a broken DXF file: {why}") from None
+
+
+class _Listener(logging.Handler):
+    """Hears what a library repairs without more than a line in a log: numbers that are none become others."""
+
+    def __init__(self, library: str) -> None:
+        super().__init__(logging.WARNING)
+        self.heard: list[str] = []
+        self.logger = logging.getLogger(library)
+
+    def emit(self, record: logging.LogRecord) -> None:
+        if "invalid" in record.getMessage():
+            self.heard.append(record.getMessage())
+
+    def __enter__(self) -> _Listener:
+        self.before = self.logger.propagate
+        self.logger.addHandler(self)
+        self.logger.propagate = False
+        return self
+
+    def __exit__(self, *error: object) -> None:
+        self.logger.removeHandler(self)
+        self.logger.propagate = self.before
 
 
 def _looks_like_dxf(path: Path) -> bool:
@@ -169,10 +204,10 @@ def _points(entity: Any, distance: float) -> Iterator[tuple[Floats, Floats]]:
             if np.linalg.norm(points[-1] - points[0]) < 1e-9 * max(1e-300, float(np.ptp(points, axis=0).max())):
                 points[-1] = points[0]
             yield points, np.full(len(points) - 1, distance)
-    except (ValueError, ZeroDivisionError, TypeError, IndexError, ArithmeticError) as error:
-        if isinstance(error, GeometryError):
-            raise
-        raise GeometryError(f"{source_of(entity)} on layer {entity.dxf.layer!r} cannot be read: {error}") from None
+    except GeometryError:
+        raise
+    except Exception as error:  # of a damaged file ezdxf lets many kinds out
+        raise unreadable(entity, error) from None
 
 
 def _polyline(entity: Any, distance: float) -> tuple[Floats, Floats]:
@@ -229,32 +264,33 @@ def _flat(points: list[Any], entity: Any) -> Floats:
     return plane
 
 
-def _vector(point: Any) -> Any:
-    return library("ezdxf.math", "reading DXF drawings").Vec3(point)
-
-
 def _extent(entities: list[Any]) -> float:
     """Rough size of the drawing, from points that need no flattening."""
+    vector = library("ezdxf.math", "reading DXF drawings").Vec3
     points: list[Any] = []
     for entity in entities:
-        kind = entity.dxftype()
-        if kind == "LINE":
-            points += [entity.dxf.start, entity.dxf.end]
-        elif kind in ("CIRCLE", "ARC"):
-            radius = entity.dxf.radius
-            center = entity.ocs().to_wcs(entity.dxf.center)
-            points += [center + (radius, radius), center - (radius, radius)]
-        elif kind == "ELLIPSE":
-            points += [entity.dxf.center + entity.dxf.major_axis, entity.dxf.center - entity.dxf.major_axis]
-        elif kind == "SPLINE":
-            points += list(entity.control_points if len(entity.control_points) else entity.fit_points)
-        elif kind == "LWPOLYLINE":
-            points += list(entity.vertices_in_wcs())
-        else:
-            points += list(entity.points_in_wcs())
-    array = np.array([tuple(_vector(point))[:2] for point in points], dtype=float)
+        try:
+            points += [vector(point).vec2 for point in _rough_points(entity)]
+        except Exception as error:
+            raise unreadable(entity, error) from None
+    array = np.array([(point.x, point.y) for point in points], dtype=float)
     finite = array[np.isfinite(array).all(axis=1)]
     return float(np.ptp(finite, axis=0).max()) if len(finite) else 1.0
+
+
+def _rough_points(entity: Any) -> list[Any]:
+    kind = entity.dxftype()
+    if kind == "LINE":
+        return [entity.dxf.start, entity.dxf.end]
+    if kind in ("CIRCLE", "ARC"):
+        radius = entity.dxf.radius
+        center = entity.ocs().to_wcs(entity.dxf.center)
+        return [center + (radius, radius), center - (radius, radius)]
+    if kind == "ELLIPSE":
+        return [entity.dxf.center + entity.dxf.major_axis, entity.dxf.center - entity.dxf.major_axis]
+    if kind == "SPLINE":
+        return list(entity.control_points if len(entity.control_points) else entity.fit_points)
+    return list(entity.vertices_in_wcs() if kind == "LWPOLYLINE" else entity.points_in_wcs())
 
 
 def write_dxf(

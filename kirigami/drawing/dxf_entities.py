@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from kirigami.drawing.roles import color_name
+from kirigami.errors import GeometryError
 
 COLORS = {1: "red", 2: "yellow", 3: "green", 4: "cyan", 5: "blue", 6: "magenta", 7: "black"}
 CURVES = {"LINE", "ARC", "CIRCLE", "ELLIPSE", "SPLINE", "LWPOLYLINE", "POLYLINE"}
@@ -52,6 +53,9 @@ class Reader:
         """Curves of a layout or block, blocks in it taken apart."""
         for entity in layout:
             kind = entity.dxftype()
+            if kind not in CURVES and kind != "INSERT":
+                self.skipped[kind] += 1
+                continue
             look = self._look(entity, block)
             why = self._why_unseen(entity, look)
             if kind in CURVES and not (kind == "POLYLINE" and (entity.is_poly_face_mesh or entity.is_polygon_mesh)):
@@ -65,13 +69,22 @@ class Reader:
                     self.unseen[why] += 1
                     self.hidden.append(look.layer)
                     continue
-                for placed in entity.multi_insert() if entity.mcount > 1 else [entity]:
-                    yield from self.curves(placed.virtual_entities(), look, depth + 1)
+                for parts in self._taken_apart(entity):
+                    yield from self.curves(parts, look, depth + 1)
             else:
                 self.skipped[kind] += 1
 
+    @staticmethod
+    def _taken_apart(insert: Any) -> list[list[Any]]:
+        """The entities of a block, once for every place in which it is inserted."""
+        try:
+            placed = list(insert.multi_insert()) if insert.mcount > 1 else [insert]
+            return [list(one.virtual_entities()) for one in placed]
+        except Exception as error:
+            raise unreadable(insert, error) from None
+
     def _look(self, entity: Any, block: Look | None) -> Look:
-        layer = entity.dxf.layer
+        layer = str(entity.dxf.get("layer", "0"))
         if block is not None and layer == "0":
             layer = block.layer
         return Look(layer, self._color(entity, layer, block), self._line_type(entity, layer, block))
@@ -79,7 +92,7 @@ class Reader:
     def _color(self, entity: Any, layer: str, block: Look | None) -> str:
         if entity.dxf.hasattr("true_color"):
             return color_name(f"#{entity.dxf.true_color:06x}")
-        index = entity.dxf.color
+        index = entity.dxf.get("color", BY_LAYER)
         if index == BY_BLOCK and block is not None:
             return block.color
         if index == BY_LAYER and layer in self.document.layers:
@@ -109,6 +122,12 @@ class Reader:
             if not layer.dxf.get("plot", 1):
                 return f"layer {look.layer!r}, not plotted"
         return ""
+
+
+def unreadable(entity: Any, error: Exception) -> GeometryError:
+    """That an entity of a damaged file cannot be read, and why."""
+    why = str(error) or type(error).__name__
+    return GeometryError(f"{source_of(entity)} on layer {entity.dxf.get('layer', '0')!r} cannot be read: {why}")
 
 
 def source_of(entity: Any) -> str:

@@ -86,7 +86,7 @@ def pattern_of(frame: dict[str, Any], path: Any) -> Pattern:
         points = np.array([[*point, 0.0, 0.0][:3] for point in frame["vertices_coords"]], dtype=float)
         faces = [np.array(face, dtype=np.int64) for face in frame.get("faces_vertices") or []]
         edges = _edges(frame, faces)
-    except (TypeError, ValueError) as error:
+    except (TypeError, ValueError, OverflowError) as error:
         raise GeometryError(f"{path}: vertices_coords or edges_vertices hold no numbers ({error})") from None
     letters = [str(letter).upper() for letter in frame.get("edges_assignment") or []] or ["U"] * len(edges)
     if len(letters) != len(edges):
@@ -113,7 +113,7 @@ def _angles(frame: dict[str, Any], count: int, path: Any) -> list[float]:
         raise GeometryError(f"{path}: {count} edges, but {len(given)} values in edges_foldAngle")
     try:
         degrees = np.array([0.0 if value is None else abs(float(value)) for value in given])
-    except (TypeError, ValueError) as error:
+    except (TypeError, ValueError, OverflowError) as error:
         raise GeometryError(f"{path}: edges_foldAngle holds no numbers ({error})") from None
     if not np.isfinite(degrees).all():
         raise GeometryError(f"{path}: edges_foldAngle has a value that is not finite")

@@ -107,6 +107,8 @@ def read_svg(
         document = elements.SVG.parse(io.BytesIO(ElementTree.tostring(root)), reify=False)
     except (ValueError, TypeError, IndexError, KeyError, ZeroDivisionError, AttributeError, RecursionError) as error:
         raise GeometryError(f"{path} holds something that is not SVG: {error}") from None
+    if not isinstance(document, list):
+        raise GeometryError(f"{path} holds nothing that is shown")
     skipped: Counter[str] = Counter()
     roles = Roles(outline, cuts, folds, ignore)
     hidden: list[str] = []

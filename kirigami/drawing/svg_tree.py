@@ -50,7 +50,7 @@ def read_tree(path: Path) -> tuple[Any, str]:
     parser.CharacterDataHandler = builder.data
     try:
         parser.Parse(data, True)
-    except expat.ExpatError as error:
+    except (expat.ExpatError, LookupError, ValueError) as error:  # also of an encoding that there is not
         kind = "a broken SVG file" if b"<svg" in data[:8192] else "no SVG file"
         raise GeometryError(f"{path} is {kind}: {error}") from None
     root = builder.close()

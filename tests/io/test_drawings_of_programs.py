@@ -3,6 +3,8 @@
 # ruff: noqa: E501
 from __future__ import annotations
 
+import contextlib
+import random
 import re
 import warnings
 from pathlib import Path
@@ -83,3 +85,38 @@ def test_refusals_name_the_cause_and_an_option_that_helps(name: str, text: str, 
     assert options
     found = read(made, tmp_path, **options)
     assert found.sheet().area == pytest.approx(9600, rel=5e-3)
+
+
+def damaged(text: str, seed: int) -> str:
+    """The text cut off, with characters changed, with a piece of it twice, or with a number that is none."""
+    chance = random.Random(seed)
+    at = chance.randrange(len(text))
+    kind = seed % 4
+    if kind == 0:
+        return text[:at]
+    if kind == 1:
+        return text[:at] + chance.choice("0123456789.-eMLZAQ<>\"'/ \n,[]{}N%") + text[at + 1 :]
+    if kind == 2:
+        return text[:at] + text[at : at + 40] + text[at:]
+    number = chance.choice(list(re.finditer(r"-?\d+\.?\d*", text)))
+    wrong = chance.choice(["1e400", "-1", "0", "nan", "1e-300", "99999999999", "1e30", ""])
+    return text[: number.start()] + wrong + text[number.end() :]
+
+
+@pytest.mark.parametrize("seed", range(60))
+def test_damaged_files_are_read_or_refused(seed: int, tmp_path: Path) -> None:
+    """No error but those of this package, whatever has happened to a file."""
+    made = MADE[seed % len(MADE)]
+    with contextlib.suppress(kg.KirigamiError):
+        read(made_by_programs.Made(made.name, damaged(made.text, seed)), tmp_path, **made.options).sheet()
+
+
+def test_values_that_a_library_repairs_are_told(tmp_path: Path) -> None:
+    """A number that cannot be read becomes another one in silence: the sheet may be wrong, and that is said."""
+    pytest.importorskip("ezdxf")
+    path = tmp_path / "damaged.dxf"
+    text = dxf([line(a, b) for a, b in zip(CORNERS, [*CORNERS[1:], CORNERS[0]])])
+    assert "\n120.0\n" in text
+    path.write_text(text.replace("\n120.0\n", "\n1a20.0\n", 1))
+    with pytest.warns(kg.KirigamiWarning, match="damaged: 1 value"), contextlib.suppress(kg.GeometryError):
+        read_drawing(path, unit="mm")
