@@ -40,6 +40,7 @@ _HOME = {
     "EdgeMoment": "model.edge_moment",
     "Gravity": "model.spread_loads",
     "Pressure": "model.pressure",
+    "Actuate": "model.actuate",
     "Mass": "elements.mass",
     "Calibration": "elements.stiffness",
     "System": "system.system",
@@ -144,6 +145,7 @@ if TYPE_CHECKING:
     from kirigami.lattice.framework import Framework as Framework
     from kirigami.lattice.framework import Rigidity as Rigidity
     from kirigami.lattice.periodic import PeriodicCell as PeriodicCell
+    from kirigami.model.actuate import Actuate as Actuate
     from kirigami.model.constraints import Fix as Fix
     from kirigami.model.constraints import Prescribe as Prescribe
     from kirigami.model.constraints import Symmetry as Symmetry

@@ -57,6 +57,7 @@ class ShellFacetKernel(Kernel):
         density: Array | None = None,
         members: NDArray[np.int64] | None = None,
         planes: Array | None = None,
+        natural: Array | None = None,
     ) -> None:
         self.rest, self.conn, self.section, self.forward, self.members = rest, conn, section, forward, members
         self.planes = planes  # normals of mirror planes (n, 3, 3) that the edges lie in, zero where there are none
@@ -76,15 +77,57 @@ class ShellFacetKernel(Kernel):
         self._rest_angles = angles(frames, self._local_directors())
         self._rest_curvatures = self._bending.curvatures(self._rest_vectors, area_frames(self._rest_vectors))
         self.coupled = bool(np.any(section[:, :3, 3:]))
+        self._natural = natural
+        self.scaled = natural is not None and bool(np.any(natural[1]))
 
     def arrays(self) -> dict[str, Any]:
-        return {name: getattr(self, name) for name in ("conn", "section", "forward", "density", "members", "planes")}
+        own = {name: getattr(self, name) for name in ("conn", "section", "forward", "density", "members", "planes")}
+        return own if self._natural is None else {**own, "natural": self._natural}
+
+    def actuate(self, facets: NDArray[np.int64], local: Array, constant: bool) -> None:
+        """Add to the strain and curvature (k, 6), in the axes of :meth:`deformation`, at which facets bear nothing:
+        what counts whatever the load factor, or what grows with it."""
+        if self._natural is None:
+            self._natural = np.zeros((2, len(self.conn), 6))
+        np.add.at(self._natural[0 if constant else 1], facets, local)
+        self.scaled = bool(np.any(self._natural[1]))
+
+    def natural(self, lam: float) -> Array | None:
+        """Strain and curvature (n, 6) at which the facets bear nothing at a load factor; None where they are zero."""
+        return None if self._natural is None else self._natural[0] + lam * self._natural[1]
+
+    def _elastic(self, fields: Array, lam: float) -> Array:
+        """Strain and curvature (n, 3, 6) less those at which the facets bear nothing."""
+        natural = self.natural(lam)
+        return fields if natural is None else fields - natural[:, None]
+
+    def by_load(self, x: Array, lam: float, need: int = 1) -> Contribution:
+        assert self._natural is not None
+        drive = np.repeat(-self._natural[1][:, None], 3, axis=1)
+        rate = (drive * self._resultants(self._elastic(self._fields(x), lam))).sum(axis=(1, 2))
+        if need == 0:
+            return Contribution(rate)
+        resultants = self._resultants(drive)
+        pull = _pull_back(self._membrane.to_strain, resultants[..., :3])
+        bend = _pull_back(self._bending.to_curvature, resultants[..., 3:])
+        vectors, directors = self._vectors(x)[0], self._local_directors()
+        gradient = np.empty((len(self.conn), 9, 3))
+        for start in range(0, len(self.conn), CHUNK):
+            part = slice(start, start + CHUNK)
+            v = vectors[..., part]
+            membrane, bending = self._chains(_State(v, area_frames(v), edge_frames(v), directors[..., part], part))
+            local = np.einsum("mzn,mn->nz", bending, bend[:, part])
+            local[:, :15] += np.einsum("mzn,mn->nz", membrane, pull[:, part])
+            gradient[part] = _to_rows(local)
+        return Contribution(rate, gradient)
 
     def stiffness_of_positions(self, stiffness: Array) -> Array:
         """Strain comes from displacements, curvature from positions."""
         return np.asarray(np.linalg.norm(self.section[:, 3:, 3:], axis=(1, 2)) / self.chart.area)
 
-    def compiled(self) -> CompiledKernel:
+    def compiled(self) -> CompiledKernel | None:
+        if self._natural is not None:
+            return None
         from kirigami.elements.compiled_shell import CompiledShell
 
         return CompiledShell(self)
@@ -223,6 +266,10 @@ class ShellFacetKernel(Kernel):
         """Forces and moments per length (n, 6): (Nxx, Nyy, Nxy, Mxx, Myy, Mxy) of a deformation (n, 6)."""
         return np.asarray(np.einsum("nab,nb->na", self.section, deformation))
 
+    def force_at(self, deformation: Array, lam: float) -> Array:
+        natural = self.natural(lam)
+        return self.force(deformation if natural is None else deformation - natural)
+
     def mass(self, lumped: bool = False) -> Array | None:
         """Mass matrices (n, 9, 9) over the rows; lumped at the corners alone, a third each. Angles have none, as in
         every theory without rotary inertia. None where a density is unknown."""
@@ -235,7 +282,7 @@ class ShellFacetKernel(Kernel):
         """Curvature (n, 3, 3) at the corners of each facet: (kxx, kyy, 2 kxy)."""
         return self._fields(x)[..., 3:]
 
-    def _pull_ahead(self, x: Array, change: Array) -> Array:
+    def _pull_ahead(self, x: Array, change: Array, lam: float) -> Array:
         """Membrane forces by the measures (9, n) after a linear step `change` off `x`."""
         vectors, moved = self._vectors(x)
         rate = np.empty((9, len(self.conn)))
@@ -246,12 +293,12 @@ class ShellFacetKernel(Kernel):
             rate[:, part] = np.einsum("mpan,pan->mn", chain, ahead[..., part])
         fields = np.zeros((len(self.conn), 3, 6)) if not self.coupled else self._fields(x)
         fields[..., :3] = _apply(self._membrane.to_strain, self._membrane.measures(moved) + rate)
-        return _pull_back(self._membrane.to_strain, self._resultants(fields)[..., :3])
+        return _pull_back(self._membrane.to_strain, self._resultants(self._elastic(fields, lam))[..., :3])
 
     # ---- energy and derivatives
 
     def evaluate(self, x: Array, lam: float = 1.0, need: int = 2, tangent: Tangent = EXACT) -> Contribution:
-        fields = self._fields(x)
+        fields = self._elastic(self._fields(x), lam)
         resultants = self._resultants(fields)
         energy = 0.5 * (fields * resultants).sum(axis=(1, 2))
         if need == 0:
@@ -259,7 +306,7 @@ class ShellFacetKernel(Kernel):
         n = len(energy)
         pull = _pull_back(self._membrane.to_strain, resultants[..., :3])
         bend = _pull_back(self._bending.to_curvature, resultants[..., 3:])
-        geometric = pull if tangent.ahead is None or need < 2 else self._pull_ahead(*tangent.ahead)
+        geometric = pull if tangent.ahead is None or need < 2 else self._pull_ahead(*tangent.ahead, lam)
         vectors = self._vectors(x)[0]
         directors = self._local_directors()
         gradient = np.empty((n, 9, 3))

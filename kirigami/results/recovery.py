@@ -88,10 +88,11 @@ class Recovery:
         return None if self.shell is not None or not self.complete else self.reader.at(step)
 
     def fields(self, step: Step, state: SheetState | None = None) -> Array:
-        """The deformation (m, 3, 6) as the elements have it at a step."""
+        """The deformation (m, 3, 6) as the elements have it at a step, beyond what they take by themselves."""
         if self.shell is not None:
             told: Array = self.results.told(self.shell, step, self.shell.corner_deformation)[self.row]
-            return told
+            natural = self.shell.natural(step.lam)
+            return told if natural is None else told - natural[self.row, None]
         flat = np.zeros((len(self.area), 6))
         flat[:, MEMBRANE] = self.surface.at(step.u, self.results.linear)
         if state is not None:

@@ -106,6 +106,9 @@ class StateReader:
         fields = felt[:, None]
         if isinstance(kernel, ShellFacetKernel):  # whose strain is linear over the facet
             fields = results.told(kernel, step, kernel.corner_deformation)[rows]
+            natural = kernel.natural(step.lam)
+            if natural is not None:  # energies are those of what is beyond it
+                fields, felt = fields - natural[rows, None], felt - natural[rows]
             fields = np.concatenate([fields, 3 * felt[:, None]], axis=1) / np.sqrt(12)
         section: Array = kernel.section[rows, :3]  # type: ignore[attr-defined]
         forces = np.einsum("nab,nkb->nka", section, fields)

@@ -73,9 +73,9 @@ FREE_TEXT: dict[tuple[str, str], str] = dict.fromkeys(
     LABEL,
 )  # fmt: skip
 # The name of a region, of which only a mesh knows whether it is there.
-FREE_TEXT |= dict.fromkeys(
-    (("AreaLoad", "facets"), ("Gravity", "facets"), ("Pressure", "facets")), "a region, looked up in a run"
-)
+FREE_TEXT |= {
+    (name, "facets"): "a region, looked up in a run" for name in ("AreaLoad", "Gravity", "Pressure", "Actuate")
+}
 # Parameters that take one of the bad values on purpose: the reason, and which.
 ACCEPTED: dict[tuple[str, str], tuple[str, tuple[str, ...]]] = {
     ("DisplacementControl", "targets"): ("no targets", ("empty list",)),

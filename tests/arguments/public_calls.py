@@ -223,6 +223,8 @@ CALLS: dict[str, Callable[[], Call]] = {
     "Fix": lambda: (kg.Fix, {"nodes": nodes(2), "dofs": "xy", "clamp": False}),
     "Prescribe": lambda: (kg.Prescribe, {"nodes": nodes(2), "x": 0.1}),
     "Prescribe.held": lambda: (kg.Prescribe(nodes(2), x=0.1).held, {"lam": 0.5}),
+    "Actuate": lambda: (kg.Actuate, {"facets": [0], "strain": (0.1, 0, 0), "curvature": (0, 0, 0.1), "constant": True}),
+    "Actuate.held": lambda: (kg.Actuate(strain=(0.1, 0, 0)).held, {"lam": 0.5}),
     "Pressure": lambda: (kg.Pressure, {"p": 0.1, "facets": [0, 1], "constant": True}),
     "Pressure.held": lambda: (kg.Pressure(0.1).held, {"lam": 0.5}),
     "Grip": lambda: (kg.Grip, {"nodes": nodes(2), "move": (0, None, 0.1), "turn": (0, 0.2, 0)}),
