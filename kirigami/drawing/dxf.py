@@ -102,8 +102,8 @@ def read_dxf(
     notes = [f"{path.name}: DXF {document.acad_release}"]
     if repaired:
         text = (
-            f"{path.name} is damaged: {counted(len(repaired), 'value')} that could not be read may now be wrong, the "
-            f"first: {repaired[0]}"
+            f"{path.name} is damaged, and values that could not be read may now be wrong "
+            f"({counted(len(repaired), 'repair')}, the first: {repaired[0]})"
         )
         warnings.warn(text, KirigamiWarning, stacklevel=3)
         notes.append(text)
