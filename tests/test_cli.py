@@ -514,7 +514,7 @@ def test_a_reader_that_has_enough_is_no_error(words: list[str], monkeypatch: pyt
 def test_hints_speak_the_language_of_the_command_line() -> None:
     for python, command in (
         ("use a mesh without a pattern, or stiffness='shell'", "use a mesh without a pattern, or --stiffness shell"),
-        ("by 3. kirigami.stiffness.report(mesh) has the numbers; use a finer mesh", "by 3.; use a finer mesh"),
+        ("by 3. kirigami.stiffness.report(mesh) has the numbers; use a finer mesh", "by 3; use a finer mesh"),
         ("Hint: the path so far is in error.results; another amplitude", "Hint: what was found is written; another"),
         ("LoadCase: rim is held", "rim is held"), ("give `max_edge=2`", "give --max-edge 2"),
     ):  # fmt: skip

@@ -17,8 +17,9 @@ READING = ("drawn_in", "outline", "cuts", "folds", "ignore", "tolerance", "part"
 LARGEST = {"length": 1e9, "stress": 1e18, "force": 1e12, "density": 1e9, "ratio": 1e6}  # SI; beyond, it is a slip
 WORDS = {"allow_parts=True": "--part 1"}  # what Python calls otherwise
 PYTHON = (  # what only a script can do, and what it calls otherwise
-    (r";? ?kirigami\.stiffness\.report\(mesh\) has the numbers(; u|, u)", r"; u"),
-    (r";? ?kirigami\.stiffness\.report\(mesh\) has the numbers", ""),
+    (r"[.;] kirigami\.stiffness\.report\(mesh\) has the numbers; ", "; "),
+    (r"[.;] kirigami\.stiffness\.report\(mesh\) has the numbers", ""),
+    (r"energy_release\(cut\) converges", "the energy release rate converges (in Python: results.energy_release)"),
     (r"the path so far is in error\.results; another amplitude", "what was found is written; another --imperfection"),
     (r"\bstiffness=['\"](\w+)['\"]", r"--stiffness \1"),
     (r"^(?:stretch|LoadCase|Job(?:\.\w+)?|export|to_surface|to_html|animate|plot|units\.\w+): ", ""),
