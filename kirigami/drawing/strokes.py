@@ -17,6 +17,7 @@ from kirigami.drawing.kerf import compensated, on_circles
 from kirigami.errors import GeometryError
 from kirigami.primitives.checks import require_items, require_not_negative, shown
 
+NARROWEST = 1e-9  # kerf over size of the sheet; what is less is lost in rounding
 NONE = np.empty((0, 3))
 FOLD_LAYERS = {0.0: "FOLDS", 1.0: "VALLEY FOLDS", -1.0: "MOUNTAIN FOLDS"}
 
@@ -80,6 +81,9 @@ def strokes(sheet: Any, folds: Iterable[Any] = (), kerf: float = 0.0, arcs: bool
     """
     kerf = require_not_negative(kerf, "kerf", "writing a drawing", GeometryError)
     extra = folds_of(sheet, folds)
+    size = max(np.ptp(np.reshape(sheet.outline.bounds, (2, 2)), axis=0).tolist())
+    if kerf and not NARROWEST * size < kerf < size:
+        raise GeometryError(f"writing a drawing: a kerf of {kerf:.6g} is none for a sheet of {size:.6g}")
     ink = getattr(sheet, "ink", None) or Ink()
     circles = getattr(sheet, "circles", NONE) if arcs else NONE
     outline, cuts = sheet.outline, list(sheet.cuts)
