@@ -16,6 +16,7 @@ from kirigami.linalg.checked import Factor, SingularMatrixError, Solver
 from kirigami.linalg.critical import critical_factors
 from kirigami.linalg.eigenpairs import inverse_iteration, lowest_eigenpairs
 from kirigami.linalg.multifrontal import Multifrontal
+from kirigami.linalg.nearby import NearbyFactor, lowest_of_pencil, nearby_factor
 from kirigami.linalg.rslab_solver import Rslab
 from kirigami.linalg.superlu import SuperLU
 from kirigami.linalg.threads import one_thread
@@ -24,6 +25,7 @@ __all__ = [
     "BACKENDS",
     "Factor",
     "Multifrontal",
+    "NearbyFactor",
     "Rslab",
     "SingularMatrixError",
     "Solver",
@@ -32,7 +34,9 @@ __all__ = [
     "factorize",
     "inverse_iteration",
     "lowest_eigenpairs",
+    "lowest_of_pencil",
     "make_solver",
+    "nearby_factor",
     "one_thread",
 ]
 

@@ -182,9 +182,7 @@ def resume(walk: Walk, start: State, stored: Results, memory: dict[str, Any]) ->
     system.history = before.history  # as it was when the tangent was taken
     attempt = Attempt(state, True, last.residual, 0)
     try:
-        if walk.steps.taken_at is not None:
-            blocks = system.stiffness_blocks(walk.steps.taken_at, last.lam)
-            attempt.stiffness = blocks, walk.factorize_blocks(blocks), state
+        attempt.stiffness = walk.steps.retake(state)
         tangent = walk.tangent_at(attempt)
     except SingularMatrixError:
         tangent = None

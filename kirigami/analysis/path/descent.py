@@ -22,7 +22,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from kirigami.analysis.path.iterate import Iterate
-from kirigami.analysis.path.points import Attempt, State
+from kirigami.analysis.path.points import Attempt, State, Stiffness
 from kirigami.linalg import Factor, SingularMatrixError, inverse_iteration
 from kirigami.primitives.kernel import Ahead, Array
 from kirigami.system.system import System
@@ -72,7 +72,7 @@ class Strategy:
 
 
 CORRECTORS = {
-    "path": Strategy(),
+    "path": Strategy(chords=8),
     "slow": Strategy(),
     "newton": Strategy(
         newton_first=True,
@@ -123,7 +123,7 @@ class _Descent(Iterate):
         super().__init__(system, factorize, start, tol, ahead)
         self.strategy = strategy
         self.amount = 0.0
-        self.left: tuple[State, Array, Factor] | None = None
+        self.left: tuple[State, Stiffness] | None = None
         self._unit: Array | None = None
 
     def run(self, max_iterations: int, on_iteration: Callable[[], None]) -> Attempt:
@@ -133,14 +133,14 @@ class _Descent(Iterate):
                 return self._attempt(iteration, "a member collapsed (forces are not finite)")
             try:
                 if self.relative <= self.tol:
-                    blocks, factor, taken_at = self.stiffness()
-                    if factor.negative == 0:
+                    stiffness = self.stiffness()
+                    if stiffness.factor.negative == 0:
                         found = self._attempt(iteration)
-                        found.stiffness = blocks, factor, taken_at
+                        found.stiffness = stiffness
                         return found
                     if self.left is None:
-                        self.left = self.state, blocks, factor
-                    self.move(self._push(factor))
+                        self.left = self.state, stiffness
+                    self.move(self._push(stiffness.factor))
                     self.balance()
                 elif iteration < max_iterations:
                     self._iterate()

@@ -24,9 +24,12 @@ LIMIT_TOLERANCE = 1e-7  # relative error in load to which limit points are locat
 BIFURCATION_TOLERANCE = 1e-4  # share of the range of load factors to which bifurcations are located
 SAME_PLACE = 0.02  # share of an increment within which a limit point and a change of stability are one
 JUMP = 20.0  # growth of the mean speed along an increment beyond which displacements jump
+ASIDE = 1e-6  # growth of the critical mode, as a share of all displacements, that shows an imperfection
 SETTLED = 1e-4  # change of the critical eigenvalue from one inverse iteration to the next that is small enough
 SNAP = 1e-3  # least energy set free, as a share of the stored energy, that counts as a snap
-SNAP_AFTER_DESCENT = 1e-5  # the same where the path was left for a descent, so that it is no error of the estimate
+SNAP_AFTER_DESCENT = 1e-4  # the same where the path was left for a descent
+DOUBT = 0.3  # error of the work along a path, as a share of the last term of its estimate
+LEAPING = ("newton", "descent", "viscous")  # correctors whose increments may be too long to tell a snap from a bend
 FAR = 0.25  # turn off the path from which on a descent is told of as a jump [rad]
 
 
@@ -87,14 +90,14 @@ def report_events(
         message = f"no stable equilibrium was found downhill at load factor {bracket[1]:.6g}: the step is unstable"
         events.append(Event("switch failed", bracket[1], index, message, bracket))
     if isinstance(run.control, LoadFactorControl):
-        released, share = _energy_set_free(run, before, after)
+        released, share = _energy_set_free(run, before, after, bool(landed))
         if share > (SNAP_AFTER_DESCENT if landed else SNAP):
             message = (
                 f"snap between load factors {bracket[0]:.6g} and {bracket[1]:.6g}: "
                 f"energy of {released:.3g} (force times length) was set free, {100 * share:.2g} % of what is stored"
             )
             events.append(Event("snap", 0.5 * sum(bracket), index, message, bracket, energy=released))
-        elif landed > FAR:
+        elif landed > FAR and run.settings.corrector in LEAPING:
             message = (
                 f"jump between load factors {bracket[0]:.6g} and {bracket[1]:.6g}: a member turned {landed:.2g} rad "
                 "off the path, in a sharp bend or a snap that sets less energy free than these increments can tell"
@@ -115,30 +118,38 @@ def tell_events(
 
 
 def sets_energy_free(run: PathRun, before: Point, after: Point) -> bool:
-    """Whether more energy is lost between two points than a smooth stable path explains: a snap lies between them."""
-    return _energy_set_free(run, before, after)[1] > SNAP
+    """Whether a descent from `before` to `after` set energy free: a snap lies between them."""
+    return _energy_set_free(run, before, after, True)[1] > SNAP_AFTER_DESCENT
 
 
-def _energy_set_free(run: PathRun, before: Point, after: Point) -> tuple[float, float]:
+def _energy_set_free(run: PathRun, before: Point, after: Point, landed: bool) -> tuple[float, float]:
     """Energy lost between two points beyond what a smooth stable path explains, and its share of the stored energy.
 
-    There the potential changes by the work of the drive, which the trapezoidal rule knows up to the change of force.
+    There the potential changes by the work of the drive. Its rate F is known at both ends, and so is the rate of that,
+    which gives the work over a distance h to fourth order: h (F0 + F1) / 2 + h^2 (F0' - F1') / 12. How good this is the
+    last term tells, as long as the path is smooth. Where it was not left (not `landed`), a force that grows all the way
+    is not excluded, which explains up to h |F1 - F0| / 2.
     """
     system = run.system
     for point in (before, after):
         if point.potential is None:
-            state, system.history = point.state, point.history
+            state, tangent, system.history = point.state, point.tangent, point.history
             with np.errstate(all="ignore"):
-                value = sum(system.energies(state.u, state.lam).values())
-                point.potential = value, system.potential_rate(state.u, state.lam)
+                point.potential = (
+                    sum(system.energies(state.u, state.lam).values()),
+                    system.potential_rate(state.u, state.lam),
+                    system.potential_curvature(state.u, state.lam, tangent.blocks, tangent.rate),
+                )
     system.history = after.history
     assert before.potential is not None and after.potential is not None
-    energy, rate = zip(before.potential, after.potential)
+    energy, rate, curvature = zip(before.potential, after.potential)
     distance = after.state.lam - before.state.lam
-    released = energy[0] + 0.5 * (rate[0] + rate[1]) * distance - energy[1]
-    explained = 0.5 * abs((rate[1] - rate[0]) * distance)
+    bend = distance**2 * (curvature[0] - curvature[1]) / 12
+    released = energy[0] + 0.5 * (rate[0] + rate[1]) * distance + bend - energy[1]
+    explained = DOUBT * abs(bend) if landed else abs(bend) + 0.5 * abs((rate[1] - rate[0]) * distance)
     rounding = 1e3 * system.noise * system.length
-    return released, (released - explained) / max(abs(energy[0]), abs(energy[1]), rounding, 1e-300)
+    stored = max(abs(energy[0]), abs(energy[1]), rounding, 1e-300)
+    return released, released / stored if released > explained else 0.0
 
 
 # ---- singular points
@@ -308,8 +319,32 @@ def _locate_crossing(run: PathRun, before: Point, low: Place, high: Place) -> tu
         if apart <= tolerance:
             break
         close *= 0.5 * tolerance / apart
+    for place, sense in ((near, 1.0), (far, -1.0)):  # the search may come from one side, and leave the other far off
+        if abs(far.way - near.way) > close:
+            eigenvalue(place.way + sense * close * np.sign(high.way))
+            far = min((p for p in known.values() if p.point.negative != first), key=lambda p: abs(p.way))
+            near = max((p for p in known.values() if abs(p.way) < abs(far.way)), key=lambda p: abs(p.way))
     # An imperfect structure has no bifurcation but two paths with a gap between them, and a step may jump it.
     way = abs(high.point.state.u - before.state.u).max() * (far.way - near.way) / high.way
     if abs(far.point.state.u - near.point.state.u).max() > JUMP * way:
         raise JumpError
+    if isinstance(run.control, LoadFactorControl) and _pushed_aside(run, low.point, near.point):
+        raise JumpError
     return near, far
+
+
+def _pushed_aside(run: PathRun, low: Point, near: Point) -> bool:
+    """Whether the drive pushes along the critical mode of `near`: the stable path then turns aside and crosses no other.
+
+    The mode grows as c / (lam_c - lam) with the load factor then, however small c, and the tolerance of equilibrium may
+    hide it. The eigenvalue falls in proportion to lam_c - lam from `low` to `near`, so c follows without lam_c.
+    """
+    value, mode = critical_pair(run.system, near.tangent)
+    if near is low:
+        return False
+    fall = (critical_pair(run.system, low.tangent)[0] - value) / (near.state.lam - low.state.lam)
+    if not fall:
+        return False
+    aside = abs(float(mode @ near.tangent.rate) * value / fall)
+    moved = float(np.linalg.norm(low.tangent.rate)) * abs(near.state.lam - run.increments.leg)
+    return aside > ASIDE * moved

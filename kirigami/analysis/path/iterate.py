@@ -7,14 +7,15 @@ from collections.abc import Callable
 import numpy as np
 
 from kirigami.analysis.path.newton import ROTATION_CAP
-from kirigami.analysis.path.points import State
-from kirigami.linalg import Factor, SingularMatrixError
+from kirigami.analysis.path.points import State, Stiffness
+from kirigami.linalg import Factor, NearbyFactor, SingularMatrixError, nearby_factor
 from kirigami.primitives.kernel import Ahead, Array, Tangent
 from kirigami.system.system import System
 
 CHORD_GAIN = 0.5  # a chord step must at least halve the residual to be kept
 NEAR = 1e-4  # relative residual from which on the exact tangent is used
 STILL = 1e-4  # turn of a member up to which an exact tangent stands for the equilibrium found with it [rad]
+CLOSE = 5e-3  # ... up to which the factor of another tangent may do, if it is shown to [rad]
 CHORDS_BELOW = 0.1  # relative residual from which on chord steps are worth trying
 
 
@@ -41,7 +42,7 @@ class Iterate:
         self.ahead = ahead
         self.residual, self.relative = np.zeros(0), 0.0
         self.history: list[float] = []
-        self._taken: tuple[Array, Factor, State] | None = None  # the last exact tangent, and where
+        self._taken: Stiffness | None = None  # the last tangent, and where
         self.balance()
 
     @property
@@ -64,16 +65,22 @@ class Iterate:
         if self.relative < NEAR:
             self.ahead = None
         blocks = self.blocks()
-        factor = self.factorize(blocks)
-        self._taken = (blocks, factor, self.state) if self.ahead is None else None
-        return factor
+        self._taken = Stiffness(blocks, self.factorize(blocks), self.u, self.ahead)
+        return self._taken.factor
 
-    def stiffness(self) -> tuple[Array, Factor, State]:
-        """Blocks and factor of the exact tangent at an equilibrium, and where they were taken: there or hardly off."""
-        if self._taken is None or not self.system.largest_rotation(self.u - self._taken[2].u) < STILL:
-            self.ahead = None
-            blocks = self.blocks()
-            self._taken = blocks, self.factorize(blocks), self.state
+    def stiffness(self) -> Stiffness:
+        """The exact tangent at an equilibrium, answered for by the last factor where that is close enough."""
+        last = self._taken
+        moved = np.inf if last is None else self.system.largest_rotation(self.u - last.u)
+        if last is not None and last.ahead is None and moved < STILL:
+            return last
+        self.ahead = None
+        blocks = self.blocks()
+        near = nearby_factor(self.system.matrix(blocks), last.factor) if last is not None and moved < CLOSE else None
+        if last is not None and near is not None:
+            self._taken = Stiffness(blocks, near, last.u, last.ahead)
+        else:
+            self._taken = Stiffness(blocks, self.factorize(blocks), self.u)
         return self._taken
 
     def correct(self, factor: Factor) -> None:
@@ -91,6 +98,7 @@ class Iterate:
 
     def chords(self, factor: Factor, most: int) -> None:
         """Up to `most` corrections with an old factor, as long as they lower the residual well."""
+        factor = factor.near if isinstance(factor, NearbyFactor) else factor
         for _ in range(most):
             if not self.tol < self.relative < CHORDS_BELOW:
                 return

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from kirigami.linalg import Factor
-from kirigami.primitives.kernel import Array
+from kirigami.primitives.kernel import Ahead, Array
 
 
 @dataclass
@@ -16,6 +16,20 @@ class State:
     q: Array
     lam: float
     u: Array
+
+
+@dataclass
+class Stiffness:
+    """Exact stiffness at an equilibrium: node blocks, and a factor that answers for them.
+
+    `u` are the displacements (n, dim) that the factor was made at, there or close by, and `ahead` the linear step whose
+    stress it took, if any.
+    """
+
+    blocks: Array
+    factor: Factor
+    u: Array
+    ahead: Ahead = None
 
 
 @dataclass
@@ -32,8 +46,8 @@ class Attempt:
     drift: float = 0.0  # turn by which the corrections left the prediction
     moved: float = 0.0  # turn from the last point
     left: Point | None = None  # the unstable equilibrium that a relaxation left
-    stiffness: tuple[Array, Factor, State] | None = None  # exact blocks and factor, and where taken, if they are known
-    left_at: tuple[State, Array, Factor] | None = None  # first unstable equilibrium met, its blocks and factor
+    stiffness: Stiffness | None = None  # there, if it is known
+    left_at: tuple[State, Stiffness] | None = None  # first unstable equilibrium met
 
 
 @dataclass
@@ -52,7 +66,7 @@ class Point:
     state: State
     tangent: Tangent
     history: Any
-    potential: tuple[float, float] | None = None  # its value and its change with the load factor, once asked for
+    potential: tuple[float, float, float] | None = None  # its value, rate and curvature, once asked for
 
     @property
     def negative(self) -> int:

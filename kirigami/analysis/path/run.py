@@ -11,7 +11,7 @@ from kirigami.analysis.path.controls import Control, LoadFactorControl
 from kirigami.analysis.path.descent import CORRECTORS, descend
 from kirigami.analysis.path.increments import Increments
 from kirigami.analysis.path.newton import correct
-from kirigami.analysis.path.points import Attempt, Point, State, Tangent
+from kirigami.analysis.path.points import Attempt, Point, State, Stiffness, Tangent
 from kirigami.analysis.path.settings import PathSettings
 from kirigami.errors import ConvergenceError
 from kirigami.linalg import Factor, SingularMatrixError
@@ -101,11 +101,10 @@ class PathRun(Run):
         attempt.drift = system.largest_rotation(attempt.state.u - state.u)
         attempt.relaxed = attempt.drift > DRIFT_LARGEST
         if attempt.left_at is not None:
-            left, blocks, factor = attempt.left_at
             attempt.relaxed = True
+            left, stiffness = attempt.left_at
             if system.largest_rotation(left.u - state.u) <= DRIFT_LARGEST:  # else the descent came from elsewhere
-                rate = -factor.solve(system.load_rate(left.u, left.lam, blocks))
-                attempt.left = Point(left, Tangent(blocks, factor, rate), before.history)
+                attempt.left = Point(left, self.tangent(left, stiffness), before.history)
         self.results.stats["relaxations"] += int(attempt.relaxed or strategy.newton_first)
         return attempt
 
@@ -125,18 +124,21 @@ class PathRun(Run):
             return None
         system, state = self.system, attempt.state
         try:
-            if attempt.stiffness is not None:
-                blocks, factor, _ = attempt.stiffness
-            else:
+            if attempt.stiffness is None:
                 with np.errstate(all="ignore"):  # a member without length is told of where the step is stored
                     blocks = system.stiffness_blocks(state.u, state.lam)
-                factor = self.factorize_blocks(blocks)
-            with system.clock("solve"), np.errstate(all="ignore"):
-                rate = -factor.solve(system.load_rate(state.u, state.lam, blocks))
+                attempt.stiffness = Stiffness(blocks, self.factorize_blocks(blocks), state.u)
+            return self.tangent(state, attempt.stiffness)
         except SingularMatrixError as error:
             attempt.reason = str(error)
             return None
-        return Tangent(blocks, factor, rate)
+
+    def tangent(self, state: State, stiffness: Stiffness) -> Tangent:
+        """The tangent at an equilibrium, from its stiffness."""
+        system = self.system
+        with system.clock("solve"), np.errstate(all="ignore"):
+            rate = -stiffness.factor.solve(system.load_rate(state.u, state.lam, stiffness.blocks))
+        return Tangent(stiffness.blocks, stiffness.factor, rate)
 
     def factorize_blocks(self, blocks: Array) -> Factor:
         """Factor of the reduced matrix of assembled blocks."""

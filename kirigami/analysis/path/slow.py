@@ -97,7 +97,7 @@ class SlowSteps(Steps):
             state = self._state()
             tol, count = run.settings.tol, run.count_iteration
             attempt = track(run.system, run.factorize_blocks, state, tol, None, before.tangent.factor, count)
-            stable = attempt.stiffness is not None and attempt.stiffness[1].negative == 0
+            stable = attempt.stiffness is not None and attempt.stiffness.factor.negative == 0
             if stable and attempt.drift < NEAR:
                 attempt.left, attempt.relaxed = left, left is not None
                 return attempt

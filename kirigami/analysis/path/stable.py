@@ -23,7 +23,7 @@ from kirigami.analysis.path.events import sets_energy_free, tell_events
 from kirigami.analysis.path.points import Attempt, Point, State, Tangent
 from kirigami.analysis.path.steps import Steps
 from kirigami.analysis.path.tracking import track
-from kirigami.linalg import SingularMatrixError, inverse_iteration
+from kirigami.linalg import SingularMatrixError, inverse_iteration, lowest_of_pencil
 from kirigami.primitives.kernel import Array
 
 FIRST = 1e-4  # first increment, as a share of the range
@@ -31,6 +31,8 @@ SHARE = 0.25  # most that an increment may be, as a share of the distance from t
 CLOSE = 0.05  # share of the distance from the start to which a snap is bracketed
 CLOSE_TO_LIMIT = 1e-3  # the same where forces drive: beyond a limit load there is no path, and it is a sharp value
 CUT = 0.4  # factor of an increment that was too long
+HALF = 0.5  # factor of an increment that a snap was found in
+UP_TO_LOSS = 0.9  # most of such a factor where it follows from where stability is lost
 SMOOTH = 0.5  # most that corrections may turn members, as a share of what the increment turns them
 STRAIGHT = 0.02  # the same where a path goes on unstable: it was predicted to second order, from close by
 HARMLESS = 1e-3  # ... or this angle [rad]
@@ -47,6 +49,7 @@ class StableSteps(Steps):
     buckled = False  # whether the path was lost before: a flat sheet takes its side once
     rate: Array | None = None  # change of the unknowns with the load factor at the last but one point of a smooth path
     rate_lam = 0.0  # its load factor
+    snap: float | None = None  # load factor before which a snap is known to lie ahead
 
     def advance(self, before: Point, increment: float) -> tuple[Point, Attempt, float]:
         run, increments = self.run, self.run.increments
@@ -65,9 +68,15 @@ class StableSteps(Steps):
             closer = (unstable and not self.buckled) or turn > LOST_TURN or not driven
             if abs(increment) > 1.0001 * reach or (closer and not short):
                 shorter = min(CUT * abs(increment), reach)
+                if tangent is not None and unstable:
+                    shorter = min(self._share_to_loss(before, tangent) * abs(increment) - 0.5 * least, reach)
                 increment = self._cut(before, sense * max(shorter, least))
                 continue
-            landed = self._downhill(before, guess, attempt, tangent, increment, turn)
+            if tangent is not None and not unstable:  # a descent would only find it again
+                landed = attempt
+                landed.drift, landed.relaxed = run.system.largest_rotation(landed.state.u - guess.u), True
+            else:
+                landed = self._downhill(before, guess, attempt, tangent, increment, turn)
             landed_tangent = run.tangent_at(landed)
             if landed_tangent is None:
                 increment = self.cut(before, landed, increment)
@@ -75,11 +84,22 @@ class StableSteps(Steps):
             run.system.commit(landed.state.u)
             point = Point(landed.state, landed_tangent, run.system.history)
             if not short and sets_energy_free(run, before, point):
-                increment = self._cut(before, sense * max(CUT * abs(increment), least))
+                self.snap = before.state.lam + increment
+                increment = self._cut(before, sense * max(HALF * abs(increment), least))
                 continue
             self.buckled = True
             tell_events(run, before, point, increment, landed.left, landed.drift)
             return point, landed, increment
+
+    def _share_to_loss(self, before: Point, tangent: Tangent) -> float:
+        """Share of an increment to an unstable equilibrium after which the path loses its stability.
+
+        The stiffness changes in proportion to the load factor as long as members hardly turn; where its determinant
+        vanishes, the pencil of the stiffness there and here tells.
+        """
+        matrix = self.run.system.matrix(tangent.blocks)
+        lowest, _ = lowest_of_pencil(matrix, before.tangent.factor)
+        return float(np.clip(1.0 / (1.0 - lowest), 0.0, UP_TO_LOSS))
 
     def _cut(self, before: Point, increment: float) -> float:
         self.run.results.stats["cutbacks"] += 1
@@ -144,11 +164,10 @@ class StableSteps(Steps):
         landed.drift = system.largest_rotation(landed.state.u - guess.u)
         landed.relaxed = True
         if left is None and landed.left_at is not None:
-            unstable, blocks, factor = landed.left_at
+            unstable, stiffness = landed.left_at
             met = Attempt(unstable, True, 0.0, 0, drift=system.largest_rotation(unstable.u - guess.u))
             if self._goes_on(before, met):
-                rate = -factor.solve(system.load_rate(unstable.u, unstable.lam, blocks))
-                left = Point(unstable, Tangent(blocks, factor, rate), before.history)
+                left = Point(unstable, run.tangent(unstable, stiffness), before.history)
         landed.left = left
         run.results.stats["relaxations"] += 1
         return landed
@@ -178,8 +197,15 @@ class StableSteps(Steps):
         straight = not attempt.relaxed and attempt.drift < 0.01 * WANTED
         share = 1.0 if straight else SHARE  # as before the first buckle
         increments.size = min(increments.size, max(share * distance, increments.first))
+        if self.snap is not None:
+            ahead = (self.snap - after.state.lam) * np.sign(increment)
+            if ahead > 1e-9 * abs(self.snap):
+                increments.size = min(increments.size, max(HALF * ahead, CLOSE * distance))
+            else:
+                self.snap = None
 
     @property
     def memory(self) -> dict[str, Any]:
-        own = {} if self.rate is None else {"rate": self.rate, "rate_lam": self.rate_lam}
+        own: dict[str, Any] = {} if self.rate is None else {"rate": self.rate, "rate_lam": self.rate_lam}
+        own |= {} if self.snap is None else {"snap": self.snap}
         return {**super().memory, "buckled": self.buckled, **own}

@@ -6,9 +6,11 @@ from typing import Any
 
 from kirigami.analysis.path.descent import CORRECTORS
 from kirigami.analysis.path.events import JumpError, report_events
-from kirigami.analysis.path.points import Attempt, Point, Tangent
+from kirigami.analysis.path.points import Attempt, Point, State, Stiffness, Tangent
 from kirigami.analysis.path.run import PathRun
+from kirigami.linalg import Factor, NearbyFactor
 from kirigami.primitives.kernel import Array
+from kirigami.primitives.kernel import Tangent as Linearised
 
 CUTS_AT_EVENTS = 8  # shorter increments tried where the path to a change of stability cannot be traced
 
@@ -16,7 +18,10 @@ CUTS_AT_EVENTS = 8  # shorter increments tried where the path to a change of sta
 class Steps:
     """From one point to the next; what is remembered between increments is in :attr:`memory`."""
 
-    taken_at: Array | None = None  # displacements where the factor of the last point was taken, if not there itself
+    taken_at: Array | None = None  # displacements that the factor of the last point was made at
+    taken_from: Array | None = None  # where the linear step starts whose stress it took, if any
+    taken_step: Array | None = None  # its change
+    nearby = False  # whether it answers for another matrix
 
     def __init__(self, run: PathRun) -> None:
         self.run = run
@@ -32,7 +37,28 @@ class Steps:
     @property
     def memory(self) -> dict[str, Any]:
         """Attributes that must be stored to go on later as if nothing had been."""
-        return {} if self.taken_at is None else {"taken_at": self.taken_at}
+        arrays = {name: getattr(self, name) for name in ("taken_at", "taken_from", "taken_step")}
+        return {"nearby": self.nearby, **{name: value for name, value in arrays.items() if value is not None}}
+
+    def note(self, attempt: Attempt) -> None:
+        """Remember how the factor of an accepted point was made, to make it again after an interruption."""
+        taken = attempt.stiffness
+        self.taken_at = None if taken is None else taken.u
+        self.taken_from, self.taken_step = (None, None) if taken is None or taken.ahead is None else taken.ahead
+        self.nearby = taken is not None and isinstance(taken.factor, NearbyFactor)
+
+    def retake(self, state: State) -> Stiffness | None:
+        """The factor noted, made again at a point."""
+        if self.taken_at is None:
+            return None
+        run, system = self.run, self.run.system
+        ahead = None if self.taken_from is None or self.taken_step is None else (self.taken_from, self.taken_step)
+        blocks = system.stiffness_blocks(self.taken_at, state.lam, Linearised(ahead=ahead))
+        factor: Factor = run.factorize_blocks(blocks)
+        if self.nearby:
+            blocks = system.stiffness_blocks(state.u, state.lam)
+            factor = NearbyFactor(system.matrix(blocks), factor)
+        return Stiffness(blocks, factor, self.taken_at, ahead)
 
     def cut(self, before: Point, attempt: Attempt, increment: float) -> float:
         """A shorter increment after an attempt that is not to be kept, or a ConvergenceError."""

@@ -18,7 +18,7 @@ from kirigami.primitives.kernel import Ahead, Array
 from kirigami.system.system import System
 
 FACTORS = 5  # most factorisations before a shorter increment is the better idea
-CHORDS = 4  # most corrections with one factor
+CHORDS = 8  # most corrections with one factor
 DRIFT_LARGEST = 0.05  # turn off the prediction at which an attempt is given up [rad]
 
 

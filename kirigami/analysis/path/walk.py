@@ -15,7 +15,7 @@ from kirigami.analysis.path.branching import leave_along_mode, switch
 from kirigami.analysis.path.checkpoint import Checkpoint, resume
 from kirigami.analysis.path.controls import LoadFactorControl
 from kirigami.analysis.path.increments import Increments
-from kirigami.analysis.path.points import Attempt, Point, State
+from kirigami.analysis.path.points import Attempt, Point, State, Stiffness
 from kirigami.analysis.path.run import PathRun
 from kirigami.analysis.path.settings import PathSettings
 from kirigami.analysis.path.slow import SlowSteps
@@ -95,7 +95,7 @@ class Walk(PathRun):
             point, attempt, increment = self.steps.advance(before, increment)
             if settings.on_instability == "switch" and not isinstance(self.control, LoadFactorControl):
                 before, point, attempt = switch(self, results.events[known:], before, point, attempt)
-            self.steps.taken_at = None if attempt.stiffness is None else attempt.stiffness[2].u
+            self.steps.note(attempt)
             self.control.accept(before.state, point.state)
             self._store(point, attempt)
             settings.steer(self.increments, results, point)
@@ -141,7 +141,7 @@ class Walk(PathRun):
         tangent_there = self.first_factor(state.u, state.lam)
         attempt = self.correct(stay, state)
         if attempt.iterations == 0:
-            attempt.stiffness = *tangent_there, state
+            attempt.stiffness = Stiffness(*tangent_there, state.u)
         if not attempt.converged:
             attempt = self.descend(state)
         tangent = self.tangent_at(attempt)
