@@ -28,6 +28,7 @@ ASIDE = 1e-6  # growth of the critical mode, as a share of all displacements, th
 SETTLED = 1e-4  # change of the critical eigenvalue from one inverse iteration to the next that is small enough
 SNAP = 1e-3  # least energy set free, as a share of the stored energy, that counts as a snap
 SNAP_AFTER_DESCENT = 1e-4  # the same where the path was left for a descent
+SNAP_AT_LIMIT_LOAD = 1e-5  # ... and forces drive: a limit load is bracketed closely, so little energy is told
 DOUBT = 0.3  # error of the work along a path, as a share of the last term of its estimate
 LEAPING = ("newton", "descent", "viscous")  # correctors whose increments may be too long to tell a snap from a bend
 FAR = 0.25  # turn off the path from which on a descent is told of as a jump [rad]
@@ -91,7 +92,7 @@ def report_events(
         events.append(Event("switch failed", bracket[1], index, message, bracket))
     if isinstance(run.control, LoadFactorControl):
         released, share = _energy_set_free(run, before, after, bool(landed))
-        if share > (SNAP_AFTER_DESCENT if landed else SNAP):
+        if share > (_least_share(run) if landed else SNAP):
             message = (
                 f"snap between load factors {bracket[0]:.6g} and {bracket[1]:.6g}: "
                 f"energy of {released:.3g} (force times length) was set free, {100 * share:.2g} % of what is stored"
@@ -119,7 +120,11 @@ def tell_events(
 
 def sets_energy_free(run: PathRun, before: Point, after: Point) -> bool:
     """Whether a descent from `before` to `after` set energy free: a snap lies between them."""
-    return _energy_set_free(run, before, after, True)[1] > SNAP_AFTER_DESCENT
+    return _energy_set_free(run, before, after, True)[1] > _least_share(run)
+
+
+def _least_share(run: PathRun) -> float:
+    return SNAP_AFTER_DESCENT if run.system.drive.any() else SNAP_AT_LIMIT_LOAD
 
 
 def _energy_set_free(run: PathRun, before: Point, after: Point, landed: bool) -> tuple[float, float]:
@@ -299,6 +304,8 @@ def _locate_crossing(run: PathRun, before: Point, low: Place, high: Place) -> tu
     from scipy.optimize import brentq
 
     first = low.point.negative
+    if first == 0 and isinstance(run.control, LoadFactorControl) and _pushed_aside(run, low.point, high.point):
+        raise JumpError
     known = {low.way: low, high.way: high}
 
     def eigenvalue(way: float) -> float:
@@ -328,23 +335,20 @@ def _locate_crossing(run: PathRun, before: Point, low: Place, high: Place) -> tu
     way = abs(high.point.state.u - before.state.u).max() * (far.way - near.way) / high.way
     if abs(far.point.state.u - near.point.state.u).max() > JUMP * way:
         raise JumpError
-    if isinstance(run.control, LoadFactorControl) and _pushed_aside(run, low.point, near.point):
-        raise JumpError
     return near, far
 
 
-def _pushed_aside(run: PathRun, low: Point, near: Point) -> bool:
-    """Whether the drive pushes along the critical mode of `near`: the stable path then turns aside and crosses no other.
+def _pushed_aside(run: PathRun, low: Point, high: Point) -> bool:
+    """Whether the drive pushes along the critical mode of `low`, a stable point before stability is lost at `high`.
 
-    The mode grows as c / (lam_c - lam) with the load factor then, however small c, and the tolerance of equilibrium may
-    hide it. The eigenvalue falls in proportion to lam_c - lam from `low` to `near`, so c follows without lam_c.
+    The stable path then turns aside and crosses no other: the mode grows as c / (lam_c - lam) with the load factor,
+    however small c, and the tolerance of equilibrium may hide it. The eigenvalue falls in proportion to lam_c - lam,
+    so c follows without lam_c.
     """
-    value, mode = critical_pair(run.system, near.tangent)
-    if near is low:
+    value, mode = critical_pair(run.system, low.tangent)
+    there = float(mode @ (run.system.matrix(high.tangent.blocks) @ mode))
+    if not 0 < value or not there < value:
         return False
-    fall = (critical_pair(run.system, low.tangent)[0] - value) / (near.state.lam - low.state.lam)
-    if not fall:
-        return False
-    aside = abs(float(mode @ near.tangent.rate) * value / fall)
-    moved = float(np.linalg.norm(low.tangent.rate)) * abs(near.state.lam - run.increments.leg)
+    aside = abs(float(mode @ low.tangent.rate)) * value / (value - there) * abs(high.state.lam - low.state.lam)
+    moved = float(np.linalg.norm(low.tangent.rate)) * abs(high.state.lam - run.increments.leg)
     return aside > ASIDE * moved
