@@ -13,8 +13,9 @@ less than 2 % of the norm of the deflection; mirror images in the plane of the s
 What the default tells of snaps and bifurcations is compared with a run of ten times shorter increments.
 
 The slow pull itself is settled at a load factor where it ends in the same shape three times as fast, ten times as slow,
-and with halved steps. Rows are appended to benchmarks/results/landing.csv and shapes kept in a folder beside it, so the
-comparison can be interrupted and goes on where it was.
+and with halved steps. Rows, with their distances from the shapes of the slow pull, are appended to
+benchmarks/results/landing.csv and shapes kept in a folder beside it, so the comparison can be interrupted and goes on
+where it was; the table needs the rows alone.
 """
 
 from __future__ import annotations
@@ -117,18 +118,28 @@ def pull(sheet: str, run: str) -> dict[str, str]:
         row[f"energy {point:g}"] = f"{energy[step]:.8e}" if abs(res.lam[step] - point) < 1e-9 else ""
     SHAPES.mkdir(parents=True, exist_ok=True)
     np.savez_compressed(SHAPES / f"{sheet}, {run}.npz", u=res.u[steps].astype(np.float32))
-    return row
+    return row | apart(sheet, run)
 
 
-def apart(sheet: str, run: str, other: str) -> list[tuple[float, bool]]:
-    """Distance of two runs at each load factor over the norm of the deflection, and whether they are mirror images."""
-    one, two = (np.load(SHAPES / f"{sheet}, {name}.npz")["u"].astype(float) for name in (run, other))
-    found = []
-    for a, b in zip(one, two):
+def apart(sheet: str, run: str) -> dict[str, str]:
+    """Distance of a run from the slow pull at each load factor over the norm of the deflection; "m": of mirror images."""
+    found = dict.fromkeys((f"apart {point:g}" for point in POINTS), "")
+    if not (SHAPES / f"{sheet}, slow.npz").exists():
+        return found
+    one, two = (np.load(SHAPES / f"{sheet}, {name}.npz")["u"].astype(float) for name in (run, "slow"))
+    for point, a, b in zip(POINTS, one, two):
         size = float(np.linalg.norm(b[:, 2]))
         distance = [float(np.linalg.norm(a * side - b)) / size for side in ([1, 1, 1], [1, 1, -1])]
-        found.append((min(distance), distance[1] < distance[0]))
+        found[f"apart {point:g}"] = f"{min(distance):.3g}" + " m" * (distance[1] < distance[0])
     return found
+
+
+def distance(row: dict[str, str], point: float) -> tuple[float, bool] | None:
+    """Distance from the slow pull, and whether of mirror images; None where the run did not come so far."""
+    told = row[f"apart {point:g}"].split()
+    if not told or not row[f"energy {point:g}"]:
+        return None
+    return float(told[0]), len(told) > 1
 
 
 def read_table() -> list[dict[str, str]]:
@@ -150,12 +161,12 @@ def add_row(row: dict[str, str]) -> None:
         writer.writerow(row)
 
 
-def settled(sheet: str, done: set[tuple[str, str]]) -> list[bool] | None:
+def settled(sheet: str, done: dict[tuple[str, str], dict[str, str]]) -> list[bool] | None:
     """At which load factors the slow pull does not depend on its own speed and steps; None where not all are done."""
     variants = [run for run in RUNS if run.startswith("slow,")]
     if any((sheet, run) not in done for run in ("slow", *variants)):
         return None
-    return [bool(np.all(column)) for column in zip(*([d < SAME for d, _ in apart(sheet, v, "slow")] for v in variants))]
+    return [all((d := distance(done[sheet, v], point)) and d[0] < SAME for v in variants) for point in POINTS]
 
 
 def markdown(rows: list[dict[str, str]]) -> str:
@@ -167,20 +178,20 @@ def markdown(rows: list[dict[str, str]]) -> str:
     for sheet in SHEETS:
         if (sheet, "slow") not in done:
             continue
-        calm = settled(sheet, set(done))
+        calm = settled(sheet, done)
         for place, point in enumerate(POINTS):
             cells = []
             for name in methods:
-                if (sheet, name) not in done or not done[sheet, name][f"energy {point:g}"]:
+                away = distance(done[sheet, name], point) if (sheet, name) in done else None
+                if (sheet, name) in done and calm is not None and calm[place]:
+                    same[name].append(away is not None and away[0] < SAME)
+                if away is None:
                     cells.append("")
                     continue
-                distance, mirrored = apart(sheet, name, "slow")[place]
                 energy, reference = (float(done[sheet, run][f"energy {point:g}"]) for run in (name, "slow"))
-                mark = " m" if mirrored and distance < SAME else ""
-                shown = "same" if distance < SAME else f"{100 * distance:.0f} % off"
+                shown = "same" if away[0] < SAME else f"{100 * away[0]:.0f} % off"
+                mark = " m" if away[1] and away[0] < SAME else ""
                 cells.append(f"{shown}{mark}, energy {100 * (energy / reference - 1):+.2g} %")
-                if calm is not None and calm[place]:
-                    same[name].append(distance < SAME)
             told = "" if calm is None else ("yes" if calm[place] else "no")
             lines.append(f"| {sheet} | {point:g} | {told} | " + " | ".join(cells) + " |")
         counts = [done[sheet, name]["factorizations"] if (sheet, name) in done else "" for name in methods]

@@ -50,6 +50,7 @@ class StableSteps(Steps):
     rate: Array | None = None  # change of the unknowns with the load factor at the last but one point of a smooth path
     rate_lam = 0.0  # its load factor
     snap: float | None = None  # load factor before which a snap is known to lie ahead
+    loss: float | None = None  # load factor at which the flat sheet seems to lose its stability
 
     def advance(self, before: Point, increment: float) -> tuple[Point, Attempt, float]:
         run, increments = self.run, self.run.increments
@@ -69,7 +70,9 @@ class StableSteps(Steps):
             if abs(increment) > 1.0001 * reach or (closer and not short):
                 shorter = min(CUT * abs(increment), reach)
                 if tangent is not None and unstable:
-                    shorter = min(self._share_to_loss(before, tangent) * abs(increment) - 0.5 * least, reach)
+                    share = self._share_to_loss(before, tangent)
+                    self.loss = before.state.lam + share * increment
+                    shorter = min(share * abs(increment) - 0.5 * least, reach)
                 increment = self._cut(before, sense * max(shorter, least))
                 continue
             if tangent is not None and not unstable:  # a descent would only find it again
@@ -196,16 +199,24 @@ class StableSteps(Steps):
             increments.resize(increment, float(np.clip((WANTED / max(attempt.drift, 1e-9)) ** 0.5, 0.5, 2.0)))
         straight = not attempt.relaxed and attempt.drift < 0.01 * WANTED
         share = 1.0 if straight else SHARE  # as before the first buckle
-        increments.size = min(increments.size, max(share * distance, increments.first))
+        least = increments.smallest if self.buckled else increments.first
+        increments.size = min(increments.size, max(share * distance, least))
+        self._hold_back(after.state.lam, float(np.sign(increment)), max(CLOSE * distance, increments.smallest))
+
+    def _hold_back(self, lam: float, sense: float, short: float) -> None:
+        """Shorten the next increment, down to `short`, before a snap or a loss of stability known to lie ahead."""
+        increments = self.run.increments
         if self.snap is not None:
-            ahead = (self.snap - after.state.lam) * np.sign(increment)
-            if ahead > 1e-9 * abs(self.snap):
-                increments.size = min(increments.size, max(HALF * ahead, CLOSE * distance))
+            if (ahead := (self.snap - lam) * sense) > 1e-6 * short:
+                increments.size = min(increments.size, max(HALF * ahead, short))
             else:
                 self.snap = None
+        if self.loss is not None and not self.buckled and (ahead := (self.loss - lam) * sense) > 0:
+            increments.size = min(increments.size, max(ahead - 0.5 * short, short))
 
     @property
     def memory(self) -> dict[str, Any]:
         own: dict[str, Any] = {} if self.rate is None else {"rate": self.rate, "rate_lam": self.rate_lam}
-        own |= {} if self.snap is None else {"snap": self.snap}
+        places = {"snap": self.snap, "loss": self.loss}
+        own |= {name: place for name, place in places.items() if place is not None}
         return {**super().memory, "buckled": self.buckled, **own}
