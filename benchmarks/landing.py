@@ -122,7 +122,7 @@ def pull(sheet: str, run: str) -> dict[str, str]:
 
 
 def apart(sheet: str, run: str) -> dict[str, str]:
-    """Distance of a run from the slow pull at each load factor over the norm of the deflection; "m": of mirror images."""
+    """Distance of a run from the slow pull at each load factor over the norm of the deflection; "m": mirror images."""
     found = dict.fromkeys((f"apart {point:g}" for point in POINTS), "")
     if not (SHAPES / f"{sheet}, slow.npz").exists():
         return found

@@ -9,6 +9,7 @@ import pytest
 
 import kirigami as kg
 from kirigami.analysis.path.descent import CORRECTORS
+from kirigami.linalg import make_solver
 
 RISE = 0.3
 LENGTH = np.hypot(1.0, RISE)
@@ -107,6 +108,22 @@ def test_an_arc_does_not_jump_over_limit_points(arc: str, step: float) -> None:
     assert [event.kind for event in res.events] == ["limit point", "limit point"]
     assert [event.lam for event in res.events] == pytest.approx([LIMIT, -LIMIT], rel=1e-6)
     assert res.lam == pytest.approx(force(RISE + res.u[:, 1, 1]), abs=1e-8)
+
+
+def test_the_rate_of_the_force_of_the_drive() -> None:
+    """Along w + P / k the truss gives, F = dU / dw and dF / dw = 1 / (1 / k + 1 / P'): in closed form."""
+    stiffness, way = 0.05, 0.05
+    m = driven_truss(stiffness, way)
+    res = kg.DisplacementControl(m).run()
+    system = kg.System(m)
+    u, lam = res.u[-1, :, :2], float(res.lam[-1])
+    blocks = system.stiffness_blocks(u, lam)
+    rate = -make_solver().factorize(system.matrix(blocks)).solve(system.load_rate(u, lam, blocks))
+    height = RISE + u[1, 1]
+    slope = -(RISE**2 - 3 * height**2) / LENGTH**3  # dP / dw, where the apex comes down by w
+    assert system.potential_curvature(u, lam, blocks, rate) / way**2 == pytest.approx(
+        1 / (1 / stiffness + 1 / slope), rel=1e-6
+    )
 
 
 def star_dome() -> kg.Model:

@@ -19,17 +19,19 @@ import pytest
 from shapely import LineString, box
 
 import kirigami as kg
-from kirigami.analysis.path import slow
+from kirigami.analysis.path import slow, stable
 
 POINTS = [0.25, 0.5, 1.0]
 
 
-def slit_sheet(thickness: float = 1e-3, stiffness: str = "plate", edge: float = 0.12) -> kg.Model:
+def slit_sheet(
+    thickness: float = 1e-3, stiffness: str = "plate", edge: float = 0.12, amplitude: float = 1e-3
+) -> kg.Model:
     """A unit square with one slit, pulled by 5 %; its imperfection is a bump of a thousandth of the thickness."""
     mesh = kg.Sheet(box(0, 0, 1, 1), [LineString([(0.25, 0.5), (0.75, 0.5)])]).mesh(edge)
     m = kg.Model.from_mesh(mesh, thickness, kg.Material(E=1.0, nu=1 / 3), stiffness=stiffness)
     x, y = mesh.nodes[:, :2].T
-    m.perturb(1e-3 * thickness * np.sin(np.pi * y) * (0.7 + x))
+    m.perturb(amplitude * thickness * np.sin(np.pi * y) * (0.7 + x))
     top = m.select(boundary="top")
     m.add(kg.Fix(m.select(boundary="bottom")), kg.Fix(top, "xz"), kg.Prescribe(top, y=0.05))
     return m
@@ -107,6 +109,19 @@ def test_metres_and_millimetres_take_the_same_steps() -> None:
         results.append(kg.DisplacementControl(m).run())
     assert results[1].lam == pytest.approx(results[0].lam, rel=1e-6)
     np.testing.assert_allclose(results[1].u / 1e3, results[0].u, atol=1e-7)
+
+
+@pytest.mark.parametrize("amplitude", [0.0, 1e-3])
+def test_finer_increments_tell_the_same(amplitude: float) -> None:
+    """A flat sheet meets one bifurcation; with an imperfection its path turns aside, and there is nothing to tell."""
+    kinds = []
+    for share in (1.0, 0.2):
+        finer = {name: share * getattr(stable, name) for name in ("SHARE", "CLOSE")}
+        with mock.patch.multiple(stable, **finer):
+            res = kg.DisplacementControl(slit_sheet(edge=0.2, amplitude=amplitude), to=0.1).run()
+        kinds.append([event.kind for event in res.events])
+        assert np.ptp(res.u[-1, :, 2]) > 2e-3
+    assert kinds[0] == kinds[1] == ([] if amplitude else ["bifurcation", "switch"])
 
 
 @pytest.fixture(scope="module")

@@ -11,7 +11,15 @@ from scipy.sparse import block_diag, csc_matrix, diags, identity, kron, random
 from shapely import box
 
 import kirigami as kg
-from kirigami.linalg import BACKENDS, SingularMatrixError, factorize, lowest_eigenpairs, make_solver
+from kirigami.linalg import (
+    BACKENDS,
+    SingularMatrixError,
+    factorize,
+    lowest_eigenpairs,
+    lowest_of_pencil,
+    make_solver,
+    nearby_factor,
+)
 from kirigami.linalg.dissection import dissect
 from kirigami.linalg.threads import one_thread
 
@@ -324,3 +332,39 @@ def test_dense_blocks_keep_to_one_thread() -> None:
     with one_thread():
         assert all(library["num_threads"] == 1 for library in controller.info() if library["user_api"] == "blas")
     assert [library["num_threads"] for library in controller.info()] == before
+
+
+# ------------------------------------------------------------------------------- a matrix close to a factorised one
+
+
+def pencil(eigenvalues: np.ndarray) -> tuple[csc_matrix, csc_matrix]:
+    """A positive definite matrix L, and K with the given eigenvalues of the pencil (K, L)."""
+    rng = np.random.default_rng(3)
+    n = len(eigenvalues)
+    root = np.tril(rng.normal(size=(n, n))) + 4 * np.eye(n)
+    turned = np.linalg.qr(rng.normal(size=(n, n)))[0]
+    return tuple(csc_matrix(root @ a @ root.T) for a in (np.eye(n), turned * eigenvalues @ turned.T))
+
+
+@pytest.mark.parametrize("lowest", [-3.0, -1e-3, 0.05, 0.5, 0.9])
+def test_the_lowest_eigenvalue_of_a_pencil(lowest: float) -> None:
+    """Alone below a cluster, as where one mode loses its stiffness."""
+    near, matrix = pencil(np.append(np.linspace(0.95, 1.05, 59), lowest))
+    found, settled = lowest_of_pencil(matrix, factorize(near))
+    assert settled and found == pytest.approx(lowest, rel=0.05, abs=5e-3)
+
+
+@pytest.mark.parametrize("lowest", [0.5, 0.9])
+def test_a_factor_close_by_solves_exactly(lowest: float) -> None:
+    near, matrix = pencil(np.append(np.linspace(0.95, 1.05, 59), lowest))
+    factor = nearby_factor(matrix, factorize(near))
+    assert factor is not None and factor.negative == 0
+    solution = np.random.default_rng(4).normal(size=60)
+    assert factor.solve(matrix @ solution) == pytest.approx(solution, abs=1e-8)
+
+
+@pytest.mark.parametrize("lowest", [-3.0, -1e-3, 0.05])
+def test_a_factor_that_hides_a_loss_of_stability_is_refused(lowest: float) -> None:
+    near, matrix = pencil(np.append(np.linspace(0.95, 1.05, 59), lowest))
+    assert nearby_factor(matrix, factorize(near)) is None
+    assert nearby_factor(near, factorize(-near)) is None

@@ -83,6 +83,8 @@ def test_pull_out_of_an_open_cylinder():
               (near(points, (length / 2, radius, 0)), 1, -1)]  # fmt: skip
     model.add(kg.NodalLoad(nodes[probes[0][0]], (0, 0, 1e4)))
     results = run(model, PULL_OUT, step=0.025, on_instability="switch")
+    (snap,) = results.events  # it was passed in silence once
+    assert snap.kind == "snap" and snap.energy > 0 and snap.bracket == pytest.approx((0.5, 0.5), abs=0.03)
     assert deviation(results, PULL_OUT, probes) < 0.02
 
 
