@@ -9,7 +9,8 @@ import pytest
 
 import kirigami as kg
 from kirigami.analysis.path.descent import CORRECTORS
-from kirigami.linalg import make_solver
+from kirigami.analysis.path.events import force_slope
+from kirigami.analysis.path.points import Attempt, Point, State
 
 RISE = 0.3
 LENGTH = np.hypot(1.0, RISE)
@@ -110,20 +111,20 @@ def test_an_arc_does_not_jump_over_limit_points(arc: str, step: float) -> None:
     assert res.lam == pytest.approx(force(RISE + res.u[:, 1, 1]), abs=1e-8)
 
 
-def test_the_rate_of_the_force_of_the_drive() -> None:
-    """Along w + P / k the truss gives, F = dU / dw and dF / dw = 1 / (1 / k + 1 / P'): in closed form."""
-    stiffness, way = 0.05, 0.05
-    m = driven_truss(stiffness, way)
-    res = kg.DisplacementControl(m).run()
-    system = kg.System(m)
+@pytest.mark.parametrize("depth", [0.01, 0.05])
+def test_the_slope_of_the_force_of_the_drive(depth: float) -> None:
+    """Along w + P / k a spring behind a truss gives dF / dw = 1 / (1 / k + 1 / P'), in closed form."""
+    stiffness, way = 0.05, depth
+    analysis = kg.DisplacementControl(driven_truss(stiffness, way))
+    res = analysis.run()
+    walk = analysis._make_walk([])
     u, lam = res.u[-1, :, :2], float(res.lam[-1])
-    blocks = system.stiffness_blocks(u, lam)
-    rate = -make_solver().factorize(system.matrix(blocks)).solve(system.load_rate(u, lam, blocks))
+    state = State(walk.system.unknowns(u), lam, u)
+    tangent = walk.tangent_at(Attempt(state, True, 0.0, 0))
+    slope = force_slope(walk.system, Point(state, tangent, None), 0.1)
     height = RISE + u[1, 1]
-    slope = -(RISE**2 - 3 * height**2) / LENGTH**3  # dP / dw, where the apex comes down by w
-    assert system.potential_curvature(u, lam, blocks, rate) / way**2 == pytest.approx(
-        1 / (1 / stiffness + 1 / slope), rel=1e-6
-    )
+    of_truss = -(RISE**2 - 3 * height**2) / LENGTH**3  # dP / dw, where the apex comes down by w
+    assert slope / way**2 == pytest.approx(1 / (1 / stiffness + 1 / of_truss), rel=1e-5)
 
 
 def star_dome() -> kg.Model:

@@ -25,6 +25,7 @@ BIFURCATION_TOLERANCE = 1e-4  # share of the range of load factors to which bifu
 SAME_PLACE = 0.02  # share of an increment within which a limit point and a change of stability are one
 JUMP = 20.0  # growth of the mean speed along an increment beyond which displacements jump
 ASIDE = 1e-6  # growth of the critical mode, as a share of all displacements, that shows an imperfection
+HARDLY = 1e-4  # turn of a member in a difference quotient [rad]
 SETTLED = 1e-4  # change of the critical eigenvalue from one inverse iteration to the next that is small enough
 SNAP = 1e-3  # least energy set free, as a share of the stored energy, that counts as a snap
 SNAP_AFTER_DESCENT = 1e-4  # the same where the path was left for a descent
@@ -135,26 +136,37 @@ def _energy_set_free(run: PathRun, before: Point, after: Point, landed: bool) ->
     last term tells, as long as the path is smooth. Where it was not left (not `landed`), a force that grows all the way
     is not excluded, which explains up to h |F1 - F0| / 2.
     """
-    system = run.system
+    system, distance = run.system, after.state.lam - before.state.lam
     for point in (before, after):
         if point.potential is None:
-            state, tangent, system.history = point.state, point.tangent, point.history
+            state, system.history = point.state, point.history
             with np.errstate(all="ignore"):
-                point.potential = (
-                    sum(system.energies(state.u, state.lam).values()),
-                    system.potential_rate(state.u, state.lam),
-                    system.potential_curvature(state.u, state.lam, tangent.blocks, tangent.rate),
-                )
+                value = sum(system.energies(state.u, state.lam).values())
+                work = system.potential_rate(state.u, state.lam)
+                point.potential = value, work, force_slope(system, point, distance)
     system.history = after.history
     assert before.potential is not None and after.potential is not None
     energy, rate, curvature = zip(before.potential, after.potential)
-    distance = after.state.lam - before.state.lam
     bend = distance**2 * (curvature[0] - curvature[1]) / 12
     released = energy[0] + 0.5 * (rate[0] + rate[1]) * distance + bend - energy[1]
     explained = DOUBT * abs(bend) if landed else abs(bend) + 0.5 * abs((rate[1] - rate[0]) * distance)
     rounding = 1e3 * system.noise * system.length
     stored = max(abs(energy[0]), abs(energy[1]), rounding, 1e-300)
     return released, released / stored if released > explained else 0.0
+
+
+def force_slope(system: System, point: Point, distance: float) -> float:
+    """Change of what the drive works with the load factor, along the path: by a difference on the tangent.
+
+    It is so short, also against the `distance` to go, that members hardly turn, and central, so that the false stress
+    of a turn falls out.
+    """
+    state, rate = point.state, point.tangent.rate
+    turn = system.largest_rotation(system.motion(rate, 1.0, state.u)) * abs(distance)
+    step = abs(distance) * min(1e-3, HARDLY / max(turn, 1e-300))
+    ends = [(state.q + way * rate, state.lam + way) for way in (-step, step)]
+    low, high = (system.potential_rate(system.displacement(q, lam), lam) for q, lam in ends)
+    return (high - low) / (2 * step)
 
 
 # ---- singular points

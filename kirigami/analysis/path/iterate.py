@@ -76,7 +76,9 @@ class Iterate:
             return last
         self.ahead = None
         blocks = self.blocks()
-        near = nearby_factor(self.system.matrix(blocks), last.factor) if last is not None and moved < CLOSE else None
+        near = None
+        if last is not None and moved < CLOSE and self.system.conservative:
+            near = nearby_factor(self.system.matrix(blocks), last.factor)
         if last is not None and near is not None:
             self._taken = Stiffness(blocks, near, last.u, last.ahead)
         else:
