@@ -127,8 +127,8 @@ class Event:
     kind : str
         "limit point" (the load factor has an extremum), "bifurcation" (another path crosses), "stability change" (one
         of the two that could not be located), "switch" (an unstable path was left for another one), "switch failed"
-        (no stable equilibrium was found), "snap" (energy was set free), "jump" (the path was lost, in a sharp bend or
-        a snap too small to tell its energy), "step limit", "interrupted" or "failed".
+        (no stable equilibrium was found), "snap" (energy was set free), "jump" (a long increment of a corrector that
+        leaps lost the path, in a sharp bend or a small snap), "step limit", "interrupted" or "failed".
     lam : float
         Load factor: located for limit points and bifurcations, else the middle of ``bracket``.
     step : int
