@@ -57,15 +57,17 @@ imperfection 1e-3 of one slit, random, cross, parallel and ring where not said o
 * twice as many chord steps: one or two fewer each.
 
 Most of the cost is in the descents. What was tried on them, as factorisations of the 48 longest of the eight sheets at
-imperfection 1e-3 (935, for 676 iterations): growth 5 and decay 4: 1,021; least fading 0.1: 933, 0.02: 990; decay 2: 933;
-eight chord steps: 934; a push along the softest mode near a saddle: 940. In nearly all they ended in the same shapes.
-Single descents are chaotic: a change in the last digits makes one sheet dearer or cheaper by 20, so only sums over sheets
-tell. Increments of at most an eighth or a sixteenth of the distance instead of a quarter make more steps along the path and
-descents as dear as before: 140 and 165 instead of 119 on a coarse mesh of one slit.
+imperfection 1e-3 (935, for 676 iterations): growth 5 and decay 4: 1,021; least fading 0.1: 933, 0.02: 990; decay 2:
+933; eight chord steps: 934; a push along the softest mode near a saddle: 940. In nearly all they ended in the same
+shapes. Single descents are chaotic: a change in the last digits makes one sheet dearer or cheaper by 20, so only sums
+over sheets tell. On coarse meshes of one slit, parallel, random and cross, with the pivots of L D L' flipped instead of
+any fading where just one is negative: 40, 226, 54, 32 instead of 45, 187, 83, 44; up to three: 39, 381, 55, 33; not
+used, since only one of the back ends can. Increments of at most an eighth or a sixteenth of the distance instead of a
+quarter make more steps along the path and descents as dear as before: 140 and 165 instead of 119 on a coarse one slit.
 
-And on the steps along the path: Anderson's acceleration of the steps with the old factor saves one factorisation in ten on
-one slit and none on cells, where turns pump false stress into the residual; the tangent of the last corrector in place of
-the exact one, where it is shown to be close, saves one in two of all that are not in descents.
+And on the steps along the path: Anderson's acceleration of the steps with the old factor saves one factorisation in ten
+on one slit and none on cells, where turns pump false stress into the residual; the tangent of the last corrector in
+place of the exact one, where it is shown to be close, saves nearly one in two of all that are not in descents.
 """
 
 from __future__ import annotations

@@ -1,8 +1,8 @@
 """Corrections that stay on a stable path, at a given load factor: they end near the prediction or are given up early.
 
 Newton's method with the mixed stress of :mod:`kirigami.analysis.path.newton`. The factor of the last equilibrium serves
-for the first corrections, since a short increment hardly changes it. The last factor also tells whether the equilibrium is
-stable, without a factorisation of its own, where it is shown to be close enough (:mod:`kirigami.linalg.nearby`).
+for the first corrections, since a short increment hardly changes it. The last factor also tells whether the equilibrium
+is stable, without a factorisation of its own, where it is shown to be close enough (:mod:`kirigami.linalg.nearby`).
 """
 
 from __future__ import annotations
