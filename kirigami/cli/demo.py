@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 import kirigami as kg
-from kirigami.cli.options import add_command, print_json, speaker
+from kirigami.cli.options import add_command, in_words_of_the_command, print_json, speaker
 
 DESCRIPTION = """\
 Stretch a sheet of 2 x 2.4 m with 2 x 5 curved cells (3 mm thick, E = 2.5 GPa, nu = 0.34) by 0.4 m,
@@ -82,7 +82,7 @@ def run(options: argparse.Namespace) -> int:
     job = Job(Drawing(sheet.outline, tuple(sheet.cuts)), sheet.thickness, sheet.material.E, sheet.material.nu,
               kg.LoadCase(strain, "y", GRIP))  # fmt: skip
     report = Report(results, job, (*notes, *map(str, results.events)), grips.free_length)
-    for line in (*report.notes, *report.text().splitlines()):
+    for line in (*report.notes, *in_words_of_the_command(report.text()).splitlines()):
         say(f"  {line}")
     if results.shapes is None:
         say(f"  {ONE_OF_MANY}")

@@ -186,7 +186,7 @@ def run(options: argparse.Namespace) -> int:
             report.measured = compare(report, measured)
         except KirigamiError as error:  # the computation is not in vain for that
             print(f"kirigami: not compared: {error}", file=sys.stderr)
-    say(report.text())
+    say(in_words_of_the_command(report.text()))
     files = write_report(report, folder, lambda words: print(f"kirigami: {words}", file=sys.stderr))
     say(f"Written to {folder}: {', '.join(_names(files, folder))}")
     print_json(options, {"complete": report.complete, **report.numbers, "folder": folder})
