@@ -40,6 +40,7 @@ _HOME = {
     "EdgeMoment": "model.edge_moment",
     "Gravity": "model.spread_loads",
     "Pressure": "model.pressure",
+    "FlowPressure": "model.flow_pressure",
     "Actuate": "model.actuate",
     "Mass": "elements.mass",
     "Calibration": "elements.stiffness",
@@ -151,6 +152,7 @@ if TYPE_CHECKING:
     from kirigami.model.constraints import Symmetry as Symmetry
     from kirigami.model.constraints import Tie as Tie
     from kirigami.model.edge_moment import EdgeMoment as EdgeMoment
+    from kirigami.model.flow_pressure import FlowPressure as FlowPressure
     from kirigami.model.grip import Grip as Grip
     from kirigami.model.grip import RigidLink as RigidLink
     from kirigami.model.loads import NodalLoad as NodalLoad

@@ -74,7 +74,8 @@ FREE_TEXT: dict[tuple[str, str], str] = dict.fromkeys(
 )  # fmt: skip
 # The name of a region, of which only a mesh knows whether it is there.
 FREE_TEXT |= {
-    (name, "facets"): "a region, looked up in a run" for name in ("AreaLoad", "Gravity", "Pressure", "Actuate")
+    (name, "facets"): "a region, looked up in a run"
+    for name in ("AreaLoad", "Gravity", "Pressure", "FlowPressure", "Actuate")
 }
 # Parameters that take one of the bad values on purpose: the reason, and which.
 ACCEPTED: dict[tuple[str, str], tuple[str, tuple[str, ...]]] = {

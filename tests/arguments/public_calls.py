@@ -225,6 +225,8 @@ CALLS: dict[str, Callable[[], Call]] = {
     "Prescribe.held": lambda: (kg.Prescribe(nodes(2), x=0.1).held, {"lam": 0.5}),
     "Actuate": lambda: (kg.Actuate, {"facets": [0], "strain": (0.1, 0, 0), "curvature": (0, 0, 0.1), "constant": True}),
     "Actuate.held": lambda: (kg.Actuate(strain=(0.1, 0, 0)).held, {"lam": 0.5}),
+    "FlowPressure": lambda: (kg.FlowPressure, {"q": 0.1, "direction": (0, 0, 1), "facets": [0], "constant": True}),
+    "FlowPressure.held": lambda: (kg.FlowPressure(0.1).held, {"lam": 0.5}),
     "Pressure": lambda: (kg.Pressure, {"p": 0.1, "facets": [0, 1], "constant": True}),
     "Pressure.held": lambda: (kg.Pressure(0.1).held, {"lam": 0.5}),
     "Grip": lambda: (kg.Grip, {"nodes": nodes(2), "move": (0, None, 0.1), "turn": (0, 0.2, 0)}),
