@@ -171,3 +171,148 @@ plt.show()
 formula = 2 * math.sqrt(STIFFNESS * BENDING) * WIDTH
 print(f"force at which the film wrinkles: {force:.5f} N, formula {formula:.5f} N")
 assert abs(force / formula - 1) < 1e-3
+
+# %% [markdown]
+# ## What else an effect may have
+#
+# Four more things, each a few lines and only where they are wanted:
+#
+# * **Load factor.** `scaled` says that the potential depends on `lam`. Where it does so other than linearly, `by_load`
+#   gives the rates of energy and gradient as well. A model that only this drives needs no load.
+# * **History.** `history` is what must be stored with a step to go on from it, and `commit` accepts an equilibrium.
+#   Between two commits the effect must have a potential, so `evaluate` never changes history.
+# * **Mass.** `mass` returns one matrix (k, k) for each member, the same along every axis.
+# * **A compiled twin.** `compiled` returns an object that adds forces and blocks in place, by loops that Numba compiles;
+#   it is asked for from `compile_from` members on. Write it last, and hold it to the kernel.
+#
+# A post with a heavy head carries a node. Beyond the force `strength` it crushes for good.
+
+# %%
+@dataclass(frozen=True, eq=False)
+class Post(kg.ModelObject):
+    """A post under a node: stiffness, strength, and mass of its head."""
+
+    kind: ClassVar[str] = "effect"
+    node: kg.Node
+    stiffness: float
+    strength: float
+    head: float
+
+    @property
+    def nodes(self) -> tuple[kg.Node, ...]:
+        return (self.node,)
+
+    @classmethod
+    def lower(cls, objects: list[Post], numbering: kg.Numbering) -> list[kg.Kernel]:
+        values = np.array([(item.stiffness, item.strength, item.head) for item in objects]).T
+        return [PostKernel(numbering.rest, numbering.connectivity(objects), *values)]
+
+
+class PostKernel(kg.Kernel):
+    name = "posts"
+    pairs = ((0, 0),)
+    anchored = True
+
+    def __init__(self, rest: np.ndarray, conn: np.ndarray, *values: np.ndarray) -> None:
+        self.rest, self.conn = rest, conn
+        self.stiffness, self.strength, self.head = values
+        self.crushed = np.zeros(len(conn))  # how much shorter each post has become
+
+    def raised(self, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Height (n,) of the heads above the posts as they are, and the part of it that the posts bear."""
+        height = kg.displacement_of(x, self.rest)[self.conn[:, 0], 2] + self.crushed
+        most = self.strength / self.stiffness
+        return height, np.clip(height, -most, most)
+
+    def evaluate(self, x: np.ndarray, lam: float = 1.0, need: int = 2) -> kg.Contribution:
+        height, borne = self.raised(x)
+        gradient, hessian = np.zeros((len(height), 1, 3)), np.zeros((len(height), 1, 3, 3))
+        gradient[:, 0, 2] = self.stiffness * borne
+        hessian[:, 0, 2, 2] = np.where(height == borne, self.stiffness, 0.0)
+        return kg.Contribution(self.stiffness * borne * (height - borne / 2), gradient, hessian)
+
+    @property
+    def history(self) -> np.ndarray:
+        return self.crushed
+
+    @history.setter
+    def history(self, value: np.ndarray | None) -> None:
+        self.crushed = np.zeros(len(self.conn)) if value is None else np.array(value)
+
+    def commit(self, x: np.ndarray) -> None:
+        height, borne = self.raised(x)
+        self.crushed = self.crushed - (height - borne)
+
+    def mass(self, lumped: bool = False) -> np.ndarray:
+        return self.head[:, None, None]
+
+    def compiled(self) -> PostTwin:
+        return PostTwin(self)
+
+
+class PostTwin:
+    """The same by loops: put `numba.njit` on functions of plain arrays, one for the forces and one for the blocks."""
+
+    def __init__(self, kernel: PostKernel) -> None:
+        self.kernel = kernel
+
+    def add_forces(self, x: np.ndarray, lam: float, total: np.ndarray) -> float:
+        squares = 0.0
+        for node, force in zip(self.kernel.conn[:, 0], self.kernel.stiffness * self.kernel.raised(x)[1]):
+            total[node, 2] += force
+            squares += force**2
+        return squares
+
+    def add_blocks(
+        self, x: np.ndarray, lam: float, tangent: kg.Tangent, slots: np.ndarray, blocks: np.ndarray
+    ) -> None:
+        for slot, hessian in zip(slots, self.kernel.evaluate(x, lam).hessian[:, 0]):
+            blocks[slot] += hessian
+
+
+class Snow(Post):
+    """Snow on a node; `stiffness` stands for its weight at load factor 1."""
+
+    @classmethod
+    def lower(cls, objects: list[Snow], numbering: kg.Numbering) -> list[kg.Kernel]:
+        return [SnowKernel(numbering.connectivity(objects), np.array([item.stiffness for item in objects]))]
+
+
+class SnowKernel(kg.Kernel):
+    name, pairs, scaled = "snow", (), True
+
+    def __init__(self, conn: np.ndarray, weight: np.ndarray) -> None:
+        self.conn, self.weight = conn, weight
+
+    def evaluate(self, x: np.ndarray, lam: float = 1.0, need: int = 2) -> kg.Contribution:
+        gradient = np.zeros((len(self.conn), 1, 3))
+        gradient[:, 0, 2] = lam * self.weight
+        return kg.Contribution(lam * self.weight * x[self.conn[:, 0], 2], gradient)
+
+
+# %% [markdown]
+# Two posts and a beam between them; a stiff spring beside each post takes what a crushed post does not. Snow comes and
+# goes. Where the load is on, a post bears its strength and the spring the rest; where it is gone, the crushed length is
+# shared by post and spring. The first frequency is that of a head on both.
+
+# %%
+WEIGHT, STRENGTH, POST, SPRING, HEAD = 5.0, 2.0, 100.0, 50.0, 0.3
+roof = kg.Model()
+ends = roof.add(kg.Node(0, 0), kg.Node(1, 0))
+roof.add(kg.Bar(*ends, EA=1e4), kg.Fix(ends, "xy"), kg.Spring(ends, (0, 0, SPRING)))
+roof.add(*(Post(end, POST, STRENGTH, HEAD) for end in ends), *(Snow(end, WEIGHT, 0.0, 0.0) for end in ends))
+winter = kg.LoadControl(roof).run()
+spring = kg.LoadControl(roof, start=winter[-1], to=0.0).run()
+down, left = winter.u[-1, 0, 2], spring.u[-1, 0, 2]
+crushed = (WEIGHT - STRENGTH) / SPRING - STRENGTH / POST
+print(f"snow: {down:.4f}, formula {-(WEIGHT - STRENGTH) / SPRING:.4f}; "
+      f"after it: {left:.4f}, formula {-crushed * POST / (POST + SPRING):.4f}")  # fmt: skip
+frequency = kg.Eigen(roof, n=1, mass="lumped").run().frequencies[0]
+
+kernel = next(kernel for kernel in kg.System(roof).kernels if kernel.name == "posts")
+x, forces = roof.positions() + [0.0, 0.0, -0.01], np.zeros((2, 3))
+squares = kernel.compiled().add_forces(x, 1.0, forces)
+assert np.allclose(forces, kernel.evaluate(x).gradient[:, 0]) and np.isclose(squares, (forces**2).sum())
+assert abs(frequency / (math.sqrt((POST + SPRING) / HEAD) / (2 * math.pi)) - 1) < 1e-9
+assert abs(down / -((WEIGHT - STRENGTH) / SPRING) - 1) < 1e-9
+assert abs(left / (-crushed * POST / (POST + SPRING)) - 1) < 1e-9
