@@ -182,7 +182,7 @@ assert abs(force / formula - 1) < 1e-3
 # * **History.** `history` is what must be stored with a step to go on from it, and `commit` accepts an equilibrium.
 #   Between two commits the effect must have a potential, so `evaluate` never changes history.
 # * **Mass.** `mass` returns one matrix (k, k) for each member, the same along every axis.
-# * **A compiled twin.** `compiled` returns an object that adds forces and blocks in place, by loops that Numba compiles;
+# * **A compiled twin.** `compiled` returns an object that adds forces and blocks in place, by loops for Numba;
 #   it is asked for from `compile_from` members on. Write it last, and hold it to the kernel.
 #
 # A post with a heavy head carries a node. Beyond the force `strength` it crushes for good.
