@@ -32,15 +32,17 @@ from shapely import LineString, Point, Polygon, box
 from shapely.affinity import rotate
 
 import kirigami as kg
+from kirigami.study.accuracy import ALIKE
 from kirigami.study.grips import find_grips
 from kirigami.study.mesh_choice import shape_distance
-from kirigami.study.stretch import default_mesh, held_model
+from kirigami.study.stretch import default_mesh
 from kirigami.study.transfer import on_shape
 
 NODES, FINER = 800, 5
 AT = (0.05, 0.2, 0.5, 1.0)  # load factors that are judged, the nearest stored ones
 RUNGS = ("shell", "facet", "plate")
 QUANTITIES = ("force", "open_area", "height")
+PRESCRIBED = 1e-7  # error below which a quantity is prescribed, not found
 MATERIAL = kg.Material(E=3.5e9, nu=0.34)
 MM = 1e-3
 Hold = Callable[[kg.Model], tuple[Any, str]]
@@ -70,7 +72,8 @@ class Sheet:
             loaded, axis = self.hold(model)
             return model, loaded, axis
         grips = find_grips(sheet, self.direction)
-        model, _, moved = held_model(default_mesh(sheet, grips, nodes, None), grips, self.strain, rung)
+        model = kg.Model.from_mesh(default_mesh(sheet, grips.lines(), nodes, None), stiffness=rung)
+        _, moved = grips.hold(model, self.strain * grips.free_length)
         model.imperfect()
         return model, moved, grips.direction
 
@@ -91,16 +94,16 @@ def cantilever(model: kg.Model) -> tuple[Any, str]:
 
 
 def pressed(model: kg.Model) -> tuple[Any, str]:
-    middle = model.select(where=lambda x, y, z: np.hypot(x - 0.05, y - 0.05) < 0.0101)
-    model.add(kg.Fix(model.select(boundary="outer"), clamp=True), kg.Prescribe(middle, z=0.5 * MM))
-    return middle, "z"
+    rim = model.select(boundary="cut:0")
+    model.add(kg.Fix(model.select(boundary="outer"), clamp=True), kg.Prescribe(rim, z=0.5 * MM))
+    return rim, "z"
 
 
 def twisted(model: kg.Model) -> tuple[Any, str]:
     low, high = model.select(boundary="left"), model.select(boundary="right")
     away = model.positions()[model.index(high), 1] - 0.015
     model.add(kg.Fix(low, clamp=True), kg.Fix(high, "x"), kg.Prescribe(high, z=0.3 * away))
-    return high[-1:], "z"
+    return [node for node in high if node.y > 0.015], "z"
 
 
 def in_plane(model: kg.Model) -> tuple[Any, str]:
@@ -156,7 +159,7 @@ SHEETS: dict[str, Sheet] = {
                      for s in np.linspace(0, 1, 60)]) for p in (0, np.pi)], 0.3, 0.1,
     ),
     "random two": Sheet(SQUARE, kg.cuts.random_slits(6, 100, 100, (20, 45), seed=11, gap=8), 0.4, 0.08),
-    "pressed": Sheet(SQUARE, [], 0.5, hold=pressed),
+    "pressed": Sheet(SQUARE, [Point(50, 50).buffer(15)], 0.5, hold=pressed),
     "twisted": Sheet(box(0, 0, 100, 30), [], 0.5, hold=twisted),
     "flat slits": Sheet(SQUARE, kg.cuts.parallel_slits(2, 4, 100, 80, 32, margin=10), 1.0, hold=in_plane),
     "plain pushed": Sheet(box(0, 0, 60, 100), [], 0.5, -0.02),
@@ -213,6 +216,46 @@ def run(name: str, rung: str, folder: Path) -> None:
           [round(row.get("apart", np.nan), 3) for row in rows], flush=True)  # fmt: skip
 
 
+def judged(path: Path) -> list[tuple[str, float, float, float]]:
+    """Quantity, load factor, true error and stated bar of a run that was kept, where the shape is the same."""
+    content, results = json.loads(path.read_text()), kg.load(path.with_suffix(".npz"))
+    ratio = content["fine_nodes"] / content["nodes"]
+    found = []
+    for row in content["rows"]:
+        if row.get("apart", np.inf) > ALIKE:
+            continue
+        for quantity in QUANTITIES:
+            scale = abs(row[quantity]) if quantity == "force" else content["largest"][quantity]
+            bar = results.error[quantity][row["step"]]
+            if scale > 0 and np.isfinite(bar):
+                true = abs(row[f"fine {quantity}"] - row[quantity]) * ratio / (ratio - 1) / scale
+                if true > PRESCRIBED:
+                    found.append((quantity, row["lam"], true, float(bar)))
+    return found
+
+
+def table(folder: Path) -> None:
+    """True errors and bars in percent, and how many bars hold, of the sheets that were tuned on and of the others."""
+    pool: dict[tuple[str, str, bool], list[tuple[float, float]]] = {}
+    for rung in RUNGS:
+        for name in SHEETS:
+            path = folder / f"{name.replace(' ', '-')}-{rung}.json"
+            if not path.exists():
+                continue
+            cells = []
+            for quantity, lam, true, bar in judged(path):
+                pool.setdefault((rung, quantity, SHEETS[name].tuning), []).append((true, bar))
+                mark = "" if true <= bar else " !"
+                cells.append(f"{quantity} at {lam:.2g} {100 * true:.3g} < {100 * bar:.3g}{mark}")
+            print(f"{rung:<6} {name:<14} {'; '.join(cells)}", flush=True)
+    for (rung, quantity, tuning), pairs in sorted(pool.items()):
+        true, bar = np.array(pairs).T
+        print(
+            f"{rung:<6} {quantity:<10} {'tuned on' if tuning else 'held out'}: {(true <= bar).sum()} of {len(true)} "
+            f"within the bar, the bar {np.median(bar / true):.2f} times the error in the median"
+        )
+
+
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--only", nargs="+", metavar="NAME", choices=tuple(SHEETS))
@@ -230,6 +273,7 @@ def main() -> None:
                     run(name, rung, options.folder)
                 except kg.KirigamiError as error:
                     print(name, rung, "failed:", str(error)[:200], flush=True)
+    table(options.folder)
 
 
 if __name__ == "__main__":

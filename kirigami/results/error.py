@@ -35,9 +35,10 @@ from kirigami.results.tangent import StoredTangent
 if TYPE_CHECKING:
     from kirigami.geometry.mesh import TriMesh
 
-SAFETY = 1.5  # times the estimate
-CANCELLED = 0.2  # share of what cancels over the sheet that is counted all the same
-DUALS = 4  # steps whose tangent is factored; the others lie between
+SAFETY, HEIGHT_SAFETY = 1.5, 1.75  # times the estimate; of the height, which bifurcations magnify
+CANCELLED = 0.3  # share of what cancels over the sheet that is counted all the same
+ENERGIES, DUALS = 10, 4  # steps that are looked at, and steps whose tangent is factored; the others lie between
+CORNER = np.radians(30.0)  # turn of the rim of a cut at a node from which on it is a corner of it
 NOTHING = 1e-12  # energy over the largest below which a state says nothing of its error
 
 _Goal = Callable[[Recovery, Step], tuple[Array, float]]
@@ -129,7 +130,7 @@ def estimated_error(results: Results) -> ErrorBar:
     quantities = {"open_area": _opening, "height": _heights}
     meshes, rungs = {"force": of_mesh}, {"force": of_rung}
     scales = {"open_area": _largest_area(results, mesh), "height": _largest_height(results)}
-    chosen = np.unique(np.linspace(min(1, len(results) - 1), len(results) - 1, DUALS).round().astype(int))
+    chosen = _some(len(results), DUALS)
     found: dict[str, list[tuple[float, float]]] = {name: [] for name in quantities if scales[name] > 0}
     for number in chosen.tolist() if found and len(results) else ():
         step = results[number]
@@ -149,9 +150,12 @@ def estimated_error(results: Results) -> ErrorBar:
 def _of_force(results: Results, recovery: Recovery) -> tuple[Array, Array, Array]:
     """The error of the force at every step, and the parts of mesh and rung in it: too coarse a mesh is too stiff, and a
     rung that stores less than it should is too soft."""
-    stored = np.sum(list(results.energy.values()), axis=0) if results.energy else np.zeros(len(results))
-    lost, off = np.zeros(len(results)), np.zeros(len(results))
-    for number, step in enumerate(results.steps):
+    chosen = _some(len(results), ENERGIES)
+    stored, lost, off = np.zeros((3, len(chosen)))
+    for number, step in enumerate(results[k] for k in chosen.tolist()):
+        stored[number] = sum(
+            results.member_energy(kernel, step).sum() for kernel in results.kernels if kernel.stores_energy
+        )
         state = recovery.state(step)
         fields = recovery.fields(step, state)
         smooth = recovery.smooth(fields)
@@ -162,10 +166,13 @@ def _of_force(results: Results, recovery: Recovery) -> tuple[Array, Array, Array
     known = stored > NOTHING * stored.max(initial=0.0)
     both = np.abs(lost - off) + CANCELLED * np.minimum(lost, np.maximum(off, 0.0))
     shares = [
-        SAFETY * _filled(np.where(known, np.abs(part) / np.where(known, stored, 1.0), np.nan))
-        for part in (both, lost, off)
+        np.where(known, SAFETY * np.abs(part) / np.where(known, stored, 1.0), np.nan) for part in (both, lost, off)
     ]
-    return shares[0], shares[1], shares[2]
+    return (
+        _between(chosen, shares[0], len(results)),
+        _between(chosen, shares[1], len(results)),
+        _between(chosen, shares[2], len(results)),
+    )
 
 
 def _as_plate(recovery: Recovery, fields: Array, smooth: Array, rate: Array, smooth_rate: Array) -> float:
@@ -197,7 +204,8 @@ def _of_goals(recovery: Recovery, step: Step, goals: list[_Goal]) -> list[tuple[
         rung = 0.0
         if state is not None:
             rung = abs(_as_plate(recovery, fields, smooth, rate, smooth_rate) - _borne(recovery, state, rate))
-        found.append((SAFETY * mesh, SAFETY * rung))
+        safety = HEIGHT_SAFETY if goal is _heights else SAFETY
+        found.append((safety * mesh, safety * rung))
     return found
 
 
@@ -220,7 +228,6 @@ def _opening(recovery: Recovery, step: Step) -> tuple[Array, float]:
     rows = len(results.rest) + len(results.inner_rest)
     gradient = np.zeros((rows, results.dim))
     place = (results.rest + step.u)[:, :2]
-    middle = _middles(recovery, step)
     left_out = 0.0
     for cut in mesh.cuts:
         loop = np.asarray(cut.loop)
@@ -231,10 +238,7 @@ def _opening(recovery: Recovery, step: Step) -> tuple[Array, float]:
         across = 0.5 * np.column_stack([after[:, 1] - before[:, 1], before[:, 0] - after[:, 0]])
         for axis in (0, 1):
             np.add.at(gradient[:, axis], loop, across[:, axis])
-        for i, j, chord in zip(loop.tolist(), np.roll(loop, -1).tolist(), after - place[loop]):
-            bulge = middle.get((min(i, j), max(i, j)))
-            if bulge is not None:
-                left_out += 2 / 3 * float(bulge[0] * chord[1] - bulge[1] * chord[0])  # of a parabola over its chord
+        left_out += _over_chords(place[loop]) - _over_chords(results.rest[loop, :2])  # drawn corners stay corners
     return gradient, abs(left_out)
 
 
@@ -247,20 +251,13 @@ def _heights(recovery: Recovery, step: Step) -> tuple[Array, float]:
     return gradient, 0.0
 
 
-def _middles(recovery: Recovery, step: Step) -> dict[tuple[int, int], Array]:
-    """How far the middle of each rim edge of shell facets lies from its chord, by the ends of the edge."""
-    if recovery.shell is None or not len(step.inner):
-        return {}
-    results, conn = recovery.results, recovery.shell.conn
-    count = len(results.rest)
-    rim = {(min(i, j), max(i, j)) for i, j in recovery.mesh.edges[recovery.mesh.boundary_edges].tolist()}
-    found = {}
-    for start, end, middle in ((0, 1, 3), (1, 2, 4), (2, 0, 5)):
-        for i, j, row in conn[:, [start, end, middle]].tolist():
-            key = (min(i, j), max(i, j))
-            if key in rim:
-                found[key] = results.inner_rest[row - count] + step.inner[row - count][: results.dim]
-    return found
+def _over_chords(loop: Array) -> float:
+    """Area between a smooth closed line through points (k, 2) and its chords, L^2 / 12 times the turn between them."""
+    chord = np.roll(loop, -1, axis=0) - loop
+    back = np.roll(chord, 1, axis=0)
+    turn = np.arctan2(back[:, 0] * chord[:, 1] - back[:, 1] * chord[:, 0], (back * chord).sum(axis=1))
+    turn = np.where(np.abs(turn) < CORNER, turn, 0.0)
+    return float(((chord**2).sum(axis=1) / 24 * (turn + np.roll(turn, -1))).sum())
 
 
 def _largest_area(results: Results, mesh: TriMesh) -> float:
@@ -279,20 +276,17 @@ def _largest_height(results: Results) -> float:
 # ---- steps without a number of their own
 
 
-def _filled(share: Array) -> Array:
-    """States that store nothing are as wrong as the next one that does."""
-    known = np.flatnonzero(np.isfinite(share))
-    if not known.size:
-        return np.zeros_like(share)
-    following = np.searchsorted(known, np.arange(len(share))).clip(max=len(known) - 1)
-    return np.asarray(share[known[following]])
+def _some(count: int, most: int) -> Array:
+    """Some of the steps (k,), evenly spread and with the last; the first, at rest, only where it is the only one."""
+    return np.unique(np.linspace(min(1, count - 1), count - 1, most).round().astype(int)) if count else np.zeros(0, int)
 
 
 def _between(steps: Array, values: Array, count: int) -> Array:
-    """Values at all steps, from those at some; their logarithms are interpolated."""
+    """Values at all steps, from those at some; their logarithms are interpolated. States that store nothing are as
+    wrong as the next one that does; where none does, nothing is wrong."""
     known = np.isfinite(values)
     if not known.any():
-        return np.full(count, np.nan)
+        return np.zeros(count)
     floor = NOTHING
     logs = np.log(np.maximum(values[known], floor))
     found = np.exp(np.interp(np.arange(count), steps[known], logs))
