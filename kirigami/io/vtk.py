@@ -13,6 +13,7 @@ from kirigami.files import library, whole_file
 from kirigami.primitives.checks import require_path, require_text
 from kirigami.results.fields import energy_density, facet_strain
 from kirigami.results.results import Results
+from kirigami.results.smooth import known_stress, sectors
 
 
 def write_vtk(results: Results, folder: str | os.PathLike[str], name: str = "step") -> list[Path]:
@@ -20,7 +21,8 @@ def write_vtk(results: Results, folder: str | os.PathLike[str], name: str = "ste
 
     Open the PVD file in ParaView. The points are the deformed positions; the rest state is ``points - displacement``.
     Point data: ``displacement`` [length], ``reaction`` [force], ``energy_density`` [force / length; energy per node
-    without a mesh]. Cell data: ``strain`` of the facets (largest principal Green strain) where there is a mesh, else
+    without a mesh]. Cell data: ``strain`` of the facets (largest principal Green strain) and ``stress`` (von Mises' at
+    the face where it is larger, of means round each node that jump at folds; where it is known) of a mesh, else
     ``force`` and ``strain`` of the bars. The time of a step is its load factor where that keeps growing, else its
     number.
 
@@ -85,7 +87,12 @@ def write_vtk(results: Results, folder: str | os.PathLike[str], name: str = "ste
 def _cells(results: Results) -> tuple[list[tuple[str, Any]], dict[str, Any]]:
     """Cells to draw and their data by step (s, cells)."""
     if results.mesh is not None:
-        return [("triangle", results.mesh.triangles)], {"strain": facet_strain(results)}
+        data = {"strain": facet_strain(results)}
+        parts = sectors(results)
+        stress = known_stress(results, parts)
+        if stress is not None:
+            data["stress"] = parts.over_facets(stress)
+        return [("triangle", results.mesh.triangles)], data
     if not len(results.bars):
         return [("vertex", np.arange(len(results.rest))[:, None])], {}
     return [("line", results.bars)], {"force": results.bar_force, "strain": results.bar_strain}

@@ -14,6 +14,7 @@ from kirigami.files import library, whole_file
 from kirigami.io.table import curves, to_csv, to_xarray
 from kirigami.io.vtk import write_vtk
 from kirigami.results.fields import energy_density, facet_strain, nodal_energy
+from kirigami.results.smooth import sectors, surface_stress
 
 
 def test_vtk_series_holds_every_step(strip: kg.Results, tmp_path: Path) -> None:
@@ -26,6 +27,7 @@ def test_vtk_series_holds_every_step(strip: kg.Results, tmp_path: Path) -> None:
         assert np.array_equal(read.cells_dict["triangle"], strip.mesh.triangles)
         assert np.array_equal(read.point_data["displacement"], strip.u[index])
         assert np.array_equal(read.cell_data["strain"][0], facet_strain(strip)[index])
+        assert np.array_equal(read.cell_data["stress"][0], sectors(strip).over_facets(surface_stress(strip))[index])
         held = strip.model.index(strip.model.select(boundary="left"))
         assert read.point_data["reaction"][held].sum(axis=0) == pytest.approx(strip.reaction(held)[index], abs=1e-15)
     listed = ElementTree.parse(collection).getroot().findall("Collection/DataSet")
