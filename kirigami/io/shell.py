@@ -92,6 +92,11 @@ def shell_of(model: Model, owner: str) -> Shell:
         raise ModelError(f"{owner} needs a three-dimensional model made by Model.from_mesh")
     _check_elements(model, owner)
     mesh = model.mesh
+    if mesh.folds:
+        raise ModelError(
+            f"{owner}: the {len(mesh.folds)} folds of the sheet would be lost: a shell of triangles is smooth there; "
+            "make the model of `mesh.with_folds([])` if that is meant"
+        )
     shell = Shell(
         model.positions()[: len(mesh.nodes)],
         mesh.triangles,

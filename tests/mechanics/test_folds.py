@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from itertools import product
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -162,3 +163,14 @@ def test_energy_of_folds_has_its_place_at_their_nodes(stiffness: str) -> None:
     shares = nodal_energy(res, -1)
     assert shares.sum() == pytest.approx(np.sum(list(res.energy.values()), axis=0)[-1])
     assert shares[np.abs(m.mesh.nodes[:, 0] - 1) < 1e-9].sum() > 0.4 * shares.sum()
+
+
+@pytest.mark.filterwarnings("ignore::kirigami.KirigamiWarning")
+@pytest.mark.parametrize("stiffness", RUNGS)
+def test_folds_are_not_lost_on_the_way_to_other_programs(stiffness: str, tmp_path: Path) -> None:
+    """A shell of triangles is smooth where the model is folded: refused, and nothing written."""
+    m, _ = two_panels(stiffness)
+    for write in (m.to_abaqus, m.to_openseespy):
+        with pytest.raises(kg.ModelError, match="1 folds of the sheet would be lost"):
+            write(tmp_path / "model.txt")
+    assert not list(tmp_path.iterdir())
