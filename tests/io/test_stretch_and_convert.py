@@ -147,7 +147,8 @@ def test_every_drawing_can_be_meshed() -> None:
     assert mesh.facet_areas.sum() == pytest.approx(0.12 * 0.08 - hole.area, rel=1e-9)
     assert len(mesh.cuts) == 4
     # The fold is a line of mesh edges from side to side.
-    on_fold = mesh.nodes[mesh.sets["folds"]]
+    (fold,) = mesh.folds
+    on_fold = mesh.nodes[np.unique(fold.edges)]
     assert np.ptp(on_fold[:, 0]) < 1e-12 and np.ptp(on_fold[:, 1]) == pytest.approx(0.08)
 
 
