@@ -11,8 +11,8 @@ settle="dynamics" each snap is left once more with masses, damped by 5 and by 2 
 motion about the landing. Two shapes at one load factor are the same where they differ by less than 2 % of the norm of
 the deflection. Only load factors at or after the first snap say something: before it there is nothing to choose.
 
-Rows are appended to benchmarks/results/inertia.csv, and shapes kept in a folder beside it until all runs of a sheet are
-done, so the comparison can be interrupted and goes on where it was.
+Rows are appended to benchmarks/results/inertia.csv and shapes kept in a folder beside it, so the comparison can be
+interrupted and goes on where it was. Where the shapes of an overdamped run are missing, it is made again.
 """
 
 from __future__ import annotations
@@ -86,9 +86,9 @@ def pull(sheet: str, seed: int, run: str) -> dict[str, str]:
 
 
 def apart(sheet: str, seed: int, run: str) -> list[float]:
-    """Distance of a run to the overdamped one at each load factor, over the norm of the deflection; nan before that."""
+    """Distance of a run to the overdamped one at each load factor, over the norm of the deflection."""
     if not (SHAPES / f"{sheet}, {seed}, overdamped.npz").exists():
-        return [float("nan")] * len(POINTS)
+        pull(sheet, seed, "overdamped")
     one, two = (
         np.load(SHAPES / f"{sheet}, {seed}, {name}.npz")["u"].astype(float) for name in (run, "overdamped")
     )
@@ -138,7 +138,8 @@ def markdown(rows: list[dict[str, str]]) -> str:
                 cost[run][1] += float(base["factorizations"])
                 first = min((float(lam) for lam in met), default=np.inf)
                 for point, distance in zip(POINTS, map(float, mine["apart"].split())):
-                    if point >= first and mine[f"energy {point:g}"] and base[f"energy {point:g}"]:
+                    there = mine[f"energy {point:g}"] and base[f"energy {point:g}"] and np.isfinite(distance)
+                    if point >= first and there:
                         count, other = count + 1, other + (distance > landing.SAME)
             total[run][0] += other
             total[run][1] += count
