@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import warnings
 from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import Any
@@ -16,11 +17,12 @@ from kirigami.drawing.curves import Curve, scale_of, scaled
 from kirigami.drawing.drawing import Drawing, assemble
 from kirigami.drawing.roles import Names, Roles, color_name
 from kirigami.drawing.strokes import FOLD_LAYERS, folds_of
-from kirigami.errors import GeometryError
+from kirigami.errors import GeometryError, KirigamiWarning
 from kirigami.files import read_json, whole_file
 from kirigami.primitives.checks import require_path
 from kirigami.units import metres_per
 
+DEGREES = ("CRS84", "EPSG::4326", "EPSG:4326")  # coordinate systems of longitude and latitude
 ROLE_KEYS = ("role", "layer", "Layer", "name")  # the property of a feature that names its layer, first match
 
 
@@ -83,6 +85,11 @@ def read_geojson(
     else:
         raise GeometryError(f"{path} is no GeoJSON: it has no features and no geometry")
     notes = [f"{path.name}: GeoJSON with {len(features)} features"]
+    frame = data.get("crs")
+    if isinstance(frame, dict) and any(name in str(frame) for name in DEGREES):
+        text = "the coordinates are degrees of longitude and latitude, not lengths: project the drawing first"
+        warnings.warn(text, KirigamiWarning, stacklevel=3)
+        notes.append(text)
     factor, unit = scale_of(unit, drawn_in, data.get("unit"), notes)
     curves = []
     for number, feature in enumerate(features):

@@ -101,6 +101,10 @@ def read_svg(
     to_drawing = user_space(root, header, drawn_in, unit, notes)
     sized = "viewBox" in root.attrib or "height" in root.attrib
     resolve_percentages(root, *to_drawing.view)
+    if masked := sum("url(" in element.get("mask", "") for element in root.iter()):
+        text = f"{counted(masked, 'mask')} not applied: what {'it hides' if masked == 1 else 'they hide'} is read"
+        warnings.warn(text, KirigamiWarning, stacklevel=3)
+        notes.append(text)
     for name in ("width", "height", "viewBox", "preserveAspectRatio"):
         root.attrib.pop(name, None)  # sizes are worked out above: svgelements rounds millimetres to seven digits
     try:

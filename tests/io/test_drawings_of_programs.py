@@ -120,3 +120,16 @@ def test_values_that_a_library_repairs_are_told(tmp_path: Path) -> None:
     path.write_text(text.replace("\n120.0\n", "\n1a20.0\n", 1))
     with pytest.warns(kg.KirigamiWarning, match="damaged, .* the first: recovered .*1a20.0"), contextlib.suppress(kg.GeometryError):
         read_drawing(path, unit="mm")
+
+
+def test_what_is_not_applied_is_told(tmp_path: Path) -> None:
+    """Masks hide parts of a drawing, and degrees are no lengths."""
+    pytest.importorskip("svgelements")
+    masked = HEAD + f'<mask id="m"><rect width="9" height="9" fill="#fff"/></mask><g mask="url(#m)">{paths(1, THIN, RED)}</g></svg>'
+    (tmp_path / "masked.svg").write_text(masked)
+    with pytest.warns(kg.KirigamiWarning, match="1 mask not applied: what it hides is read"):
+        read_drawing(tmp_path / "masked.svg")
+    text = next(made.text for made in MADE if made.name == "qgis_projected.geojson")
+    (tmp_path / "degrees.geojson").write_text(text.replace("EPSG::25832", "OGC:1.3:CRS84"))
+    with pytest.warns(kg.KirigamiWarning, match="degrees of longitude"):
+        read_drawing(tmp_path / "degrees.geojson")
