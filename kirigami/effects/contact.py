@@ -1,4 +1,4 @@
-"""Contact of nodes with a rigid plane, cylinder or sphere: frictionless, one-sided, smooth.
+"""Contact of nodes with a rigid plane, cylinder or sphere: one-sided, smooth; friction is in a file of its own.
 
 A surface has a signed distance with closed derivatives. With y = x - p for the plane (point p, unit normal n) and the
 part of x - p across the axis (cylinder) or all of it (sphere), and r = |y|,
@@ -176,6 +176,9 @@ class Contact(ModelObject):
     layer : float, optional
         Thickness of the layer above the surface (and the offset) in which the force sets in [length]; None takes a
         thousandth of the median length of the bars at the nodes.
+    friction : float
+        Coefficient of friction (Coulomb): a node is held back by at most this times the force that presses it, and
+        slips by up to the layer before it slides. The force that presses is that of the last equilibrium.
 
     Raises
     ------
@@ -205,6 +208,7 @@ class Contact(ModelObject):
     offset: float
     stiffness: float | None
     layer: float | None
+    friction: float
 
     def __init__(
         self,
@@ -214,12 +218,14 @@ class Contact(ModelObject):
         offset: float = 0.0,
         stiffness: float | None = None,
         layer: float | None = None,
+        friction: float = 0.0,
     ) -> None:
         put = object.__setattr__
         put(self, "group", listed(nodes, "Contact", once=True))
         put(self, "surface", require_instance(surface, (Plane, Cylinder, Sphere), "surface", "Contact"))
         put(self, "offset", require_not_negative(offset, "offset", "Contact"))
         put(self, "stiffness", None if stiffness is None else require_positive(stiffness, "stiffness", "Contact"))
+        put(self, "friction", require_not_negative(friction, "friction", "Contact"))
         put(self, "layer", None if layer is None else require_positive(layer, "layer", "Contact"))
 
     @property
@@ -248,7 +254,13 @@ class Contact(ModelObject):
                 f"{numbering.describe(int(conn[worst, 0]))} by {-gap[worst]:.6g} below "
                 f"{objects[int(members[worst])].surface} and its offset: move the surface away"
             )
-        return [kernel]
+        rubbing = np.array([item.friction for item in objects])[members]
+        if not rubbing.any():
+            return [kernel]
+        from kirigami.effects.friction import FrictionKernel  # what does not rub needs none
+
+        own = {name: value[rubbing > 0] for name, value in kernel.arrays().items()}
+        return [kernel, FrictionKernel(numbering.rest, rubbing[rubbing > 0], layer[rubbing > 0], **own)]
 
     def __repr__(self) -> str:
         return f"Contact({len(self.group)} nodes, {self.surface})"

@@ -40,6 +40,7 @@ KERNELS = {
     "FacetKernel": "elements.facet",
     "MassKernel": "elements.mass",
     "NodalLoadKernel": "model.loads",
+    "FrictionKernel": "effects.friction",
     "FlowPressureKernel": "model.flow_pressure",
     "PressureKernel": "model.pressure",
     "RimPressureKernel": "model.pressure",
