@@ -92,9 +92,9 @@ def test_pressed_rod_balances_and_stays_within_the_stated_bound() -> None:
     a, b = m.add(kg.Node(0, 0), kg.Node(1, 0))
     m.add(kg.Bar(a, b, EA=10.0, strain="engineering"), kg.Fix([a, b], "y"), kg.Prescribe(a, x=0.05))
     wall = m.add(Contact(b, Plane((1.03, 0), (-1, 0)), stiffness=1000.0, layer=1e-3))
-    into = kg.DisplacementControl(m).run()
-    back = kg.DisplacementControl(m, to=0.2, start=into[-1]).run()
-    again = kg.DisplacementControl(m, start=back[-1]).run()
+    into = kg.DisplacementControl(m, tol=1e-11).run()
+    back = kg.DisplacementControl(m, to=0.2, start=into[-1], tol=1e-11).run()
+    again = kg.DisplacementControl(m, start=back[-1], tol=1e-11).run()
     for res in (into, back, again):
         force = normal_forces(res, wall)[:, 0]
         assert res.reaction(a, "x") == pytest.approx(force, abs=1e-7 * force.max())
