@@ -12,7 +12,7 @@
 * four slits: 0.1 x 0.06 m, four slits of 40 mm across in two rows, 0.1 mm, pulled by 10 %
 
 All with the imperfection of Model.imperfect (the disc with the bumps of its example). Each is pulled slowly first, then
-searched on "plate" by kg.study.shapes (seed 0, 24 trials) with the end of the pull as one of the shapes, told as
+searched on "plate" by kg.study.shapes (seed 0, 16 trials) with the end of the pull as one of the shapes, told as
 "given"; the lowest shape is followed in the pull, and the two lowest ones are relaxed on "shell" on the same mesh. A
 line of each sheet says after how many CPU seconds of trials its lowest shape was known. Rows are kept in
 benchmarks/results/which_shapes.csv, and the trials of a search in a folder beside it, so that it can be interrupted and
@@ -106,7 +106,7 @@ def study(name: str, workers: int | None = None) -> kg.study.ShapeStudy:
         pull = kg.DisplacementControl(m).run(on_failure="return")
         ends = [step for step in pull.steps[-1:] if step.lam == 1.0]
         path = TRIALS / f"{name}.jsonl"
-        return kg.study.shapes(m, starts=ends, trials=24, most=2, followed=1, path=path, workers=workers)
+        return kg.study.shapes(m, starts=ends, trials=16, most=2, followed=1, path=path, workers=workers)
 
 
 def rows_of(name: str, found: kg.study.ShapeStudy) -> list[dict[str, str]]:
