@@ -213,7 +213,9 @@ class ShapeSearch:
                 self.notes.append(f'the budget left no time to relax more than {count} shapes on "{TRUSTED}"')
                 return
             relaxed = self._try(trusted, kind.u)
-            if relaxed is not None:
+            if relaxed is None:
+                self.notes.append(f'shape {count + 1}: no stable shape was found from it on "{TRUSTED}"')
+            else:
                 there = sure.add(relaxed.step.u, relaxed.energy, relaxed.force, kind.reached_by)
                 same = first.setdefault(there.number, kind.number)
                 self._confirmed[kind.number] = relaxed, self._listed.distance(kind.u, relaxed.step.u), same
