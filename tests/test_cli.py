@@ -272,7 +272,7 @@ def test_a_sheet_without_equilibrium_at_rest_is_a_sentence(
     monkeypatch.setattr(PathAnalysis, "run", lost)
     assert cli.main(["stretch", PLATE, *SHEET, "--folder", str(tmp_path / "out")]) == 1
     said = capsys.readouterr().err
-    assert "\nkirigami: the sheet was followed to a strain of 0 %" in said and "at the start" in said
+    assert "kirigami: the sheet was followed to a strain of 0 %" in said and "at the start" in said
     assert not list(tmp_path.iterdir())
 
 

@@ -148,8 +148,9 @@ def stretch(
     Examples
     --------
     >>> import shapely
-    >>> strip = Sheet(shapely.box(0, 0, 0.02, 0.1), thickness=1e-4, material=Material(E=2e9, nu=0.0))
-    >>> res = stretch(strip, strain=0.001, accuracy="draft", stiffness="facet", max_edge=0.02, amplitude=0)
+    >>> import kirigami as kg
+    >>> strip = kg.Sheet(shapely.box(0, 0, 0.02, 0.1), thickness=1e-4, material=kg.Material(E=2e9, nu=0.0))
+    >>> res = kg.stretch(strip, strain=0.001, accuracy="draft", stiffness="facet", max_edge=0.02, amplitude=0)
     >>> round(float(res.reaction(res.grips["moved"], "y")[-1]), 1)
     4.0
     """

@@ -295,7 +295,6 @@ CALLS: dict[str, Callable[[], Call]] = {
     "Buckling": lambda: (lambda **given: kg.Buckling(**given).run(), {"model": column(), "n": 1}),
     "Buckling.run": lambda: (kg.Buckling(column(), n=1).run, {}),
     "LoadControl": lambda: (kg.LoadControl, {"model": truss()}),
-    "LoadControl.run": lambda: (kg.LoadControl(truss()).run, {}),
     "DisplacementControl": lambda: (kg.DisplacementControl, {"model": plate()}),
     "ArcLength": lambda: (kg.ArcLength, {"model": truss(), "step": 0.1}),
     "Results.animate": lambda: (results().animate, {"path": folder() / "film.gif", "frames": 2, "dpi": 30}),

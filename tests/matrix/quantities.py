@@ -57,7 +57,6 @@ QUANTITIES: dict[str, Quantity] = {
     "reaction": Quantity(lambda r, c: np.stack([r.reaction(name) for name in SUPPORTS]), "force", force=1),
     "moment": Quantity(
         lambda r, c: np.stack([r.moment(name) for name in SUPPORTS]), "moment", force=1, length=1,
-        served=frozenset(STRUCTURES) - {*BUILT} | {"linked tower", "tower"},
     ),
     "energy": Quantity(lambda r, c: sum(r.energy.values()), length=1, force=1, order=2),
     "energy_shares": Quantity(lambda r, c: np.stack([s for _, s in sorted(r.energy_shares().items())]), order=None),

@@ -151,6 +151,12 @@ def imperfect(rung: str, length: float, folder: Path) -> list[float]:
     return [study.cases[0].energy / length]
 
 
+def searched(rung: str, length: float, folder: Path) -> list[float]:
+    m, *_ = pulled(length)(0.6 * length, rung)
+    study = kg.study.shapes(m, at=1.0, trials=2, followed=0)
+    return [shape.energy / length for shape in study]
+
+
 STUDIES: dict[str, Callable[[str, float, Path], list[float]]] = {
     "estimate_error": estimated,
     "choose_mesh": chosen,
@@ -159,8 +165,15 @@ STUDIES: dict[str, Callable[[str, float, Path], list[float]]] = {
     "seeds": seeded,
     "branches": branched,
     "imperfections": imperfect,
+    "shapes": searched,
 }
-NO_STUDY = {"stretch_drawing": "the job of the command line", "write_report": "the job of the command line"}
+NO_STUDY = {
+    "stretch_drawing": "the job of the command line",
+    "write_report": "the job of the command line",
+    "place": "a place on a sheet, not a study",
+    "read_measured": "reads a file",
+    "compare": "holds a report against a measured curve",
+}
 
 
 def test_every_study_has_a_row() -> None:
