@@ -119,9 +119,14 @@ def tell_events(
         report_events(run, before, after, increment, None, False, landed)
 
 
-def sets_energy_free(run: PathRun, before: Point, after: Point) -> bool:
-    """Whether a descent from `before` to `after` set energy free: a snap lies between them."""
-    return _energy_set_free(run, before, after, True)[1] > _least_share(run)
+def worth_bracketing(run: PathRun, before: Point, after: Point) -> bool:
+    """Whether a descent from `before` to `after` set so much energy free that its increment is to be shorter.
+
+    Where grips drive, smaller snaps are told where they are met, but not sought: a locked sheet has dozens, and each
+    bracket takes several descents.
+    """
+    driven = bool(run.system.drive.any())
+    return _energy_set_free(run, before, after, not driven)[1] > (SNAP if driven else SNAP_AT_LIMIT_LOAD)
 
 
 def _least_share(run: PathRun) -> float:

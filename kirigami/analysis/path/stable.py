@@ -19,7 +19,7 @@ from typing import Any
 
 import numpy as np
 
-from kirigami.analysis.path.events import sets_energy_free, tell_events
+from kirigami.analysis.path.events import tell_events, worth_bracketing
 from kirigami.analysis.path.points import Attempt, Point, State, Tangent
 from kirigami.analysis.path.steps import Steps
 from kirigami.analysis.path.tracking import track
@@ -86,12 +86,13 @@ class StableSteps(Steps):
                 continue
             run.system.commit(landed.state.u)
             point = Point(landed.state, landed_tangent, run.system.history)
-            if not short and sets_energy_free(run, before, point):
+            if not short and worth_bracketing(run, before, point):
                 self.snap = before.state.lam + increment
                 increment = self._cut(before, sense * max(HALF * abs(increment), least))
                 continue
             self.buckled = True
-            tell_events(run, before, point, increment, landed.left, landed.drift)
+            # over a longer increment the work along the path is not known well enough to tell of a small snap
+            tell_events(run, before, point, increment, landed.left, landed.drift if short else 0.0)
             return point, landed, increment
 
     def _share_to_loss(self, before: Point, tangent: Tangent) -> float:
