@@ -35,6 +35,7 @@ class FrictionKernel(Kernel):
     name = "friction"
     stores_energy = False
     anchored = True
+    path_dependent = True
 
     def __init__(self, rest: Array, friction: Array, width: Array, **contact: Any) -> None:
         self.rest, self.friction, self.width = rest, friction, width

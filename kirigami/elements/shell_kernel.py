@@ -244,6 +244,10 @@ class ShellFacetKernel(Kernel):
         return np.asarray(self._fields(x).mean(axis=1))
 
     def deformation_rate(self, x: Array, change: Array) -> Array:
+        return np.asarray(self._rates(x, change).mean(axis=1))
+
+    def _rates(self, x: Array, change: Array) -> Array:
+        """First-order change of strain and curvature (n, 3, 6) at the corners for a change (rows, 3)."""
         vectors, directors = self._vectors(x)[0], self._local_directors()
         moved = facet_vectors(change, self.conn).reshape(15, -1)
         turned = np.asarray(change)[self.conn[:, 6:]].transpose(1, 2, 0).reshape(9, -1)
@@ -256,7 +260,17 @@ class ShellFacetKernel(Kernel):
             bent = np.einsum("mzn,zn->mn", chains[1], np.concatenate([moved[:, part], turned[:, part]]))
             rates[part, :, :3] = _apply(self._membrane.to_strain[part], stretch)
             rates[part, :, 3:] = _apply(self._bending.to_curvature[part], bent)
-        return np.asarray(rates.mean(axis=1))
+        return rates
+
+    def sensitivity(self, x: Array, lam: float, v: Array, energy: float = 0.0) -> dict[str, Array]:
+        """In closed form: by "section" (n, 6, 6), symmetric, and by the strain and curvature "natural" (n, 6), in the
+        axes of :meth:`deformation`, at which the facets bear nothing."""
+        felt, rates = self._elastic(self._fields(x), lam), self._rates(x, v)
+        both = rates + 0.5 * energy * felt
+        spread = (felt + felt.sum(axis=1, keepdims=True)) * (self.chart.area / 12)[:, None, None]
+        section = np.einsum("nia,nib->nab", both, spread)
+        natural = -self._resultants(rates + energy * felt).sum(axis=1)
+        return {"section": 0.5 * (section + section.transpose(0, 2, 1)), "natural": natural}
 
     def corner_deformation(self, x: Array) -> Array:
         """Strain and curvature (n, 3, 6) at the corners of each facet, in the axes of :meth:`deformation`."""

@@ -155,6 +155,9 @@ class Kernel:
         (Nxx, Nyy, Nxy, Mxx, Myy, Mxy).
     approximates : bool
         True where :meth:`evaluate` takes a further argument `tangent`, a :class:`Tangent`.
+    path_dependent : bool
+        True where ``history`` changes what members bear, as sliding or yield do, and is no mere count of turns: then
+        an end state tells no gradients.
 
     Examples
     --------
@@ -183,6 +186,7 @@ class Kernel:
     anchored: bool = False
     surface: bool = False
     approximates: bool = False
+    path_dependent: bool = False
     compile_from: int = 5_000
 
     def __init_subclass__(cls) -> None:
@@ -267,6 +271,13 @@ class Kernel:
     @history.setter
     def history(self, value: Array | None) -> None:
         pass
+
+    def sensitivity(self, x: Array, lam: float, v: Array, energy: float = 0.0) -> dict[str, Array]:
+        """Derivatives, by each of its :meth:`arrays` of numbers, of a field `v` (n_nodes, dim) times its gradient at
+        fixed positions, and of its energy times `energy`; by default differences, so that nothing need be said."""
+        from kirigami.primitives.sensitivity import by_differences
+
+        return by_differences(self, x, lam, v, energy)
 
     def arrays(self) -> dict[str, Any]:
         """Constructor arguments, so that results can be saved and rebuilt."""

@@ -527,6 +527,7 @@ class Results(ModelRecord):
     stress = deferred("kirigami.results.stress:sheet_stress")
     energy_shares = deferred("kirigami.results.measures:energy_shares")
     energy_release = deferred("kirigami.results.fracture:energy_release")
+    gradient = deferred("kirigami.results.gradients.gradient:gradient")
 
     # ---- files
 

@@ -303,6 +303,7 @@ CALLS: dict[str, Callable[[], Call]] = {
     "Results.force": lambda: (results().force, {"name": "bars"}),
     "Results.energy_release": lambda: (slit_opened("facet").energy_release, {"cut": 0}),
     "Results.energy_shares": lambda: (results().energy_shares, {}),
+    "Results.gradient": lambda: (results().gradient, {"functional": ("energy",), "wrt": "thickness", "step": -1}),
     "Results.height": lambda: (results().height, {}),
     "Results.node_index": lambda: (results().node_index, {"nodes": [0, 1]}),
     "Results.open_area": lambda: (results().open_area, {}),

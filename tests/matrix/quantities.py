@@ -110,6 +110,7 @@ NO_QUANTITY: dict[str, str] = {
     ),
     **dict.fromkeys(["model", "material", "bars", "grips"], "hands out what the run was made of"),
     **dict.fromkeys(["time", "velocity", "moves"], "of a motion; tested in test_dynamics.py"),
+    **dict.fromkeys(["gradient"], "held against Taylor series, on every structure, in test_gradients.py"),
     **dict.fromkeys(["residual", "summary"], "tells how the computation went, which differs in rounding"),
     **dict.fromkeys(["energy_release"], "of slits, which these have none of; in mechanics/test_energy_release.py"),
     **dict.fromkeys(["plot", "plot_curve", "plot_stress", "animate"], "pictures, tested in test_plot.py"),

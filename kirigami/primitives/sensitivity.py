@@ -1,0 +1,61 @@
+"""How the forces of a kernel change with its own numbers: by differences, where it does not know better."""
+
+from __future__ import annotations
+
+import inspect
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from kirigami.primitives.kernel import Array, Kernel
+
+STEP = 1e-5  # of the size of a number, in a central difference
+
+
+def member_work(kernel: Kernel, x: Array, lam: float, v: Array, energy: float = 0.0) -> Array:
+    """v times the gradient of each member, plus `energy` times its energy, (n,)."""
+    found = kernel.evaluate(x, lam, 1)
+    assert found.gradient is not None
+    work: Array = np.einsum("nka,nka->n", found.gradient, v[kernel.conn])
+    if energy and kernel.stores_energy:
+        work = work + energy * found.energy
+    return work
+
+
+def rebuilt(kernel: Kernel, **changed: Any) -> Kernel:
+    """A kernel with some of its arrays changed and the history it had."""
+    arrays = {**kernel.arrays(), **changed}
+    takes_rest = "rest" in inspect.signature(type(kernel)).parameters
+    twin = type(kernel)(kernel.rest, **arrays) if takes_rest else type(kernel)(**arrays)  # type: ignore[attr-defined, call-arg]
+    if kernel.history is not None:
+        twin.history = kernel.history
+    return twin
+
+
+def by_differences(kernel: Kernel, x: Array, lam: float, v: Array, energy: float = 0.0) -> dict[str, Array]:
+    """Derivatives of :func:`member_work` by every array of numbers that a kernel has one row a member of.
+
+    A number of one member changes that member alone, so that two evaluations serve all members at once.
+    """
+    count = len(kernel.conn)
+    found: dict[str, Array] = {}
+    for name, values in kernel.arrays().items():
+        if not isinstance(values, np.ndarray) or values.dtype.kind != "f" or values.shape[:1] != (count,):
+            continue
+        columns = values.reshape(count, -1)
+        rates = np.zeros_like(columns)
+        for column in range(columns.shape[1]):
+            given = columns[:, column]
+            if not np.isfinite(given).any():
+                continue
+            size = float(np.nanmax(np.abs(given))) or 1.0
+            step = STEP * np.where(np.abs(given) > 1e-6 * size, np.abs(given), size)
+            sides = []
+            for sign in (1.0, -1.0):
+                moved = columns.copy()
+                moved[:, column] += sign * step
+                sides.append(member_work(rebuilt(kernel, **{name: moved.reshape(values.shape)}), x, lam, v, energy))
+            rates[:, column] = np.where(np.isfinite(given), (sides[0] - sides[1]) / (2 * step), 0.0)
+        found[name] = rates.reshape(values.shape)
+    return found

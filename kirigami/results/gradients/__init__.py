@@ -1,0 +1,1 @@
+"""How what an equilibrium tells changes with the structure: gradients by adjoint solutions."""

@@ -1,0 +1,215 @@
+"""An equilibrium found to the last digits, with its factored tangent, and the adjoint field of a functional there.
+
+With unknowns q, displacements u(q, lam, p) and forces g(u, p), equilibrium is r = T' g = 0. For J(x, f, U) of
+positions, nodal forces and stored energy, and K mu = dJ/dq,
+
+    dJ/dp = d/dp [ J(x, f, U) - mu . r ]  at fixed q.
+
+That needs no second solution, and no derivative of the equilibrium (adjoint method; Haftka and Guerdal, Elements of
+Structural Optimization, 1992). With w = dJ/df and v = w - T mu the part of a member with forces g_m and energy U_m is
+v . g_m + dJ/dU U_m.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from kirigami.errors import AnalysisError, ModelError
+from kirigami.linalg import SingularMatrixError, make_solver
+from kirigami.primitives.kernel import Array, Configuration, Kernel
+from kirigami.results.gradients.functionals import Tell, Told
+from kirigami.system.assembly import scatter_add
+from kirigami.system.system import System
+
+BALANCED = 1e-14  # residual that is nothing but rounding
+ENOUGH = 1e-9  # residual at which a search that goes no further has arrived
+SLOW = 0.1  # growth of the residual from one correction to the next at which the tangent is made anew
+ROUNDS = 25
+TURN = 0.3  # largest turn of a member in one correction [rad]
+EXACT = 1e-13  # residual of a solution
+REFINED = 1e-9  # residual of a solution with a tangent close by, above which it is made anew
+
+
+class Equilibrium:
+    """The equilibrium next to displacements `u` (rows, dim) of a system at a load factor.
+
+    Raises
+    ------
+    AnalysisError
+        There is none close by, or its tangent is singular.
+    """
+
+    def __init__(self, system: System, u: Array, lam: float, owner: str = "gradient") -> None:
+        refuse_history(system, owner)
+        self.system, self.lam, self.owner = system, lam, owner
+        self.factorizations = 0
+        self._solver = make_solver()
+        self.q = system.unknowns(u)
+        self._settle()
+
+    @classmethod
+    def as_given(cls, system: System, q: Array, lam: float, owner: str = "gradient") -> Equilibrium:
+        """Unknowns as they are, in equilibrium or not."""
+        state = cls.__new__(cls)
+        state.system, state.lam, state.owner, state.q = system, lam, owner, q
+        state.u = system.displacement(q, lam)
+        state.factorizations = 0
+        return state
+
+    @property
+    def negative(self) -> int:
+        """Number of negative eigenvalues of the tangent."""
+        return int(self.factor.negative)
+
+    def _factorize(self) -> None:
+        system = self.system
+        self.matrix = system.matrix(system.stiffness_blocks(self.u, self.lam))
+        try:
+            self.factor = self._solver.factorize(self.matrix)
+        except SingularMatrixError:
+            raise AnalysisError(
+                f"{self.owner}: the tangent stiffness is singular at load factor {self.lam:.6g}, so nothing changes "
+                "smoothly there: take a step off the critical point"
+            ) from None
+        self.factorizations += 1
+
+    def _settle(self) -> None:
+        """Newton's method with a tangent that is kept as long as it serves."""
+        system, before = self.system, np.inf
+        best: tuple[float, Array] = (np.inf, self.q)
+        fresh = False
+        for _ in range(ROUNDS):
+            self.u = system.displacement(self.q, self.lam)
+            with np.errstate(all="ignore"):
+                residual, size = system.imbalance(self.u, self.lam)
+            if not np.isfinite(size):
+                break
+            if size < best[0]:
+                best = (size, self.q)
+            if size <= BALANCED and hasattr(self, "factor"):
+                break
+            stalled = size > 0.5 * before
+            if fresh and stalled and best[0] <= ENOUGH:
+                break
+            if not hasattr(self, "factor") or (size > SLOW * before and not (fresh and size <= ENOUGH)):
+                self._factorize()
+                fresh = True
+            else:
+                fresh = False
+            change = -self.factor.solve(residual)
+            turn = system.largest_rotation(system.motion(change, 0.0, self.u))
+            self.q = self.q + change * min(1.0, TURN / max(turn, 1e-300))
+            before = size
+        if best[0] > ENOUGH:
+            raise AnalysisError(
+                f"{self.owner}: no equilibrium was found next to the state given at load factor {self.lam:.6g} "
+                f"(residual {best[0]:.1e})"
+            )
+        self.residual, self.q = best
+        self.u = system.displacement(self.q, self.lam)
+        self.matrix = system.matrix(system.stiffness_blocks(self.u, self.lam))
+
+    def solve(self, right: Array) -> Array:
+        """Unknowns (free,) of the exact tangent: the factor may be that of a state close by, which is refined."""
+        size = float(np.linalg.norm(right))
+        if size == 0:
+            return np.zeros_like(right)
+        answer, left = self.factor.solve(right), np.inf
+        for _ in range(8):
+            rest = right - self.matrix @ answer
+            now = float(np.linalg.norm(rest)) / size
+            if now <= EXACT or now > 0.5 * left:
+                break
+            left = now
+            answer = answer + self.factor.solve(rest)
+        if now > REFINED and left > REFINED:
+            self._factorize()
+            answer = self.factor.solve(right)
+            answer = answer + self.factor.solve(right - self.matrix @ answer)
+        return np.asarray(answer)
+
+    # ---- what it tells
+
+    @property
+    def configuration(self) -> Configuration:
+        """Rows (rows, dim) that kernels are evaluated at."""
+        return self.system.configuration(self.u)
+
+    def told(self, tell: Tell) -> Told:
+        """A functional here, with its derivatives."""
+        system = self.system
+        forces, energy = np.zeros_like(system.rest), 0.0
+        for kernel in system.kernels:
+            found = kernel.evaluate(self.configuration, self.lam, 1)
+            assert found.gradient is not None
+            scatter_add(forces, kernel.conn, found.gradient)
+            energy += float(found.energy.sum()) if kernel.stores_energy else 0.0
+        positions = np.zeros((system.points, 3))
+        positions[:] = system.model.positions()
+        positions[:, : system.dim] = self.configuration[: system.points]
+        told = tell(positions, system.parted(forces)[0], energy)
+        finite = all(np.isfinite(part).all() for part in told)
+        if not finite:
+            raise AnalysisError(f"{self.owner}: the functional returned numbers that are not finite")
+        return told
+
+    def adjoint(self, told: Told) -> Adjoint:
+        """The field v of a functional."""
+        system = self.system
+        w = np.zeros_like(system.rest)
+        w[: system.points] = told.by_force[:, : system.dim]
+        right = np.zeros_like(system.rest)
+        right[: system.points] = told.by_position[:, : system.dim]
+        if w.any():
+            blocks = system.stiffness_blocks(self.u, self.lam, carried=False)
+            right += system.plan.multiply(blocks, w)
+        if told.by_energy:
+            for kernel in system.kernels:
+                if kernel.stores_energy:
+                    gradient = kernel.evaluate(self.configuration, self.lam, 1).gradient
+                    assert gradient is not None
+                    scatter_add(right, kernel.conn, told.by_energy * gradient)
+        multiplier = self.solve(system.reduce(system.carried(right, self.u)))
+        return Adjoint(self, told, w, multiplier)
+
+
+class Adjoint:
+    """The multipliers of one functional at one equilibrium."""
+
+    def __init__(self, at: Equilibrium, told: Told, w: Array, multiplier: Array) -> None:
+        self.at, self.told, self.w, self.multiplier = at, told, w, multiplier
+        self.v = self.field(at.system, at.u)
+
+    def field(self, system: System, u: Array) -> Array:
+        """v (rows, dim): what forces of members count for, in a system as it is at `u`."""
+        return np.asarray(self.w - system.motion(self.multiplier, 0.0, u))
+
+    def of_member_arrays(self, kernel: Kernel) -> dict[str, Array]:
+        """Derivatives by the arrays of a kernel."""
+        energy = self.told.by_energy if kernel.stores_energy else 0.0
+        return kernel.sensitivity(self.at.configuration, self.at.lam, self.v, energy)
+
+
+def refuse_history(system: System, owner: str) -> None:
+    """Raise where an end state does not tell how it changes."""
+    for kernel in system.kernels:
+        if kernel.path_dependent:
+            raise ModelError(
+                f"{owner}: what {kernel.name!r} bears depends on the way it was reached, so an end state has no "
+                "gradient: take it out of the model, or compare runs"
+            )
+    if not system.conservative:
+        raise ModelError(
+            f"{owner}: a force of the model has no potential, so its tangent is not the derivative of its forces: "
+            "gradients are of structures with a potential"
+        )
+
+
+def prepared(model: Any, history: Any = None) -> System:
+    """A model lowered, with the history of a step."""
+    system = System(model)
+    if history:
+        system.history = history
+    return system

@@ -1,0 +1,186 @@
+"""What an equilibrium can be asked for, with its derivatives by positions, by forces and by the stored energy."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from kirigami.errors import AnalysisError, ModelError
+from kirigami.post import shape
+from kirigami.primitives.checks import require_array, require_axis, require_finite, shown
+from kirigami.primitives.kernel import Array
+from kirigami.primitives.node import AXES
+from kirigami.primitives.rotation import best_rotation, turned
+from kirigami.results.results import Results, _direction
+from kirigami.results.supports import carried_by
+
+STEP = 1e-6  # of the size of the structure or of its forces, in differences of a user's function
+AT_ONCE = 3_000  # coordinates of shapes measured at a time
+KNOWN = "force, position, energy, open_area, height, width, poisson_ratio, shape, stiffness, critical"
+
+
+class Told(NamedTuple):
+    """A number and its derivatives: by positions (n, 3), by nodal forces (n, 3) and by the stored energy."""
+
+    value: float
+    by_position: Array
+    by_force: Array
+    by_energy: float = 0.0
+
+
+# Of positions (n, 3), forces (n, 3) of the supports on the nodes, and the stored energy.
+Tell = Callable[[Array, Array, float], Told]
+
+
+def tell_of(functional: Any, results: Results, owner: str = "gradient") -> Tell:
+    """The function that a functional stands for, on the nodes and supports of `results`."""
+    if callable(functional):
+        return _own(functional, owner)
+    name, *given = _parts(functional, owner)
+    builders: dict[str, Callable[..., Tell]] = {
+        "force": _force, "position": _position, "energy": _energy, "open_area": _open_area, "height": _height,
+        "width": _width, "poisson_ratio": _poisson_ratio, "shape": _shape,
+    }  # fmt: skip
+    if name not in builders:
+        raise ModelError(f"{owner}: a functional is a function or begins with one of {KNOWN}, got {shown(functional)}")
+    try:
+        return builders[name](results, *given)
+    except TypeError:
+        raise ModelError(f"{owner}: {shown(functional)} has too many parts or too few: see the reference") from None
+
+
+def _parts(functional: Any, owner: str) -> tuple[Any, ...]:
+    if isinstance(functional, str):
+        return (functional,)
+    if isinstance(functional, tuple) and functional and isinstance(functional[0], str):
+        return functional
+    raise ModelError(
+        f"{owner}: a functional is a function, or a tuple such as ('force', nodes, 'y'), got {shown(functional)}"
+    )
+
+
+def _zero(positions: Array) -> Array:
+    return np.zeros_like(positions)
+
+
+def _force(results: Results, nodes: Any, axis: Any) -> Tell:
+    direction = np.zeros(3)
+    along = _direction(axis)
+    direction[: len(along)] = along
+    weight = carried_by(results.node_index(nodes), results.supports, len(results.rest)) * direction
+    return lambda x, f, energy: Told(float((weight * f).sum()), _zero(x), weight)
+
+
+def _position(results: Results, nodes: Any, axis: str) -> Tell:
+    index, letter = results.node_index(nodes), AXES.index(require_axis(axis, "gradient"))
+    weight = np.zeros_like(results.rest)
+    np.add.at(weight[:, letter], index, 1.0 / len(index))
+    return lambda x, f, energy: Told(float((weight * x).sum()), weight, _zero(x))
+
+
+def _energy(results: Results) -> Tell:
+    return lambda x, f, energy: Told(energy, _zero(x), _zero(x), 1.0)
+
+
+def _open_area(results: Results) -> Tell:
+    if results.mesh is None:
+        raise AnalysisError("gradient: open_area needs a model made by Model.from_mesh", results=results)
+    loops = [np.asarray(cut.loop) for cut in results.mesh.cuts]
+
+    def tell(x: Array, f: Array, energy: float) -> Told:
+        rate, total = _zero(x), 0.0
+        for loop in loops:
+            px, py = x[loop, 0], x[loop, 1]
+            total += 0.5 * float((px * np.roll(py, -1) - np.roll(px, -1) * py).sum())
+            np.add.at(rate[:, 0], loop, 0.5 * (np.roll(py, -1) - np.roll(py, 1)))
+            np.add.at(rate[:, 1], loop, 0.5 * (np.roll(px, 1) - np.roll(px, -1)))
+        return Told(total, rate, _zero(x))
+
+    return tell
+
+
+def _height(results: Results) -> Tell:
+    def tell(x: Array, f: Array, energy: float) -> Told:
+        high, low = int(np.argmax(x[:, 2])), int(np.argmin(x[:, 2]))
+        rate = _zero(x)
+        rate[high, 2] += 1.0
+        rate[low, 2] -= 1.0
+        return Told(float(x[high, 2] - x[low, 2]), rate, _zero(x))
+
+    return tell
+
+
+def _width(results: Results, axis: str = "y") -> Tell:
+    return _measured(results, "width", lambda x, mesh: shape.width(x, mesh, axis))
+
+
+def _poisson_ratio(results: Results, axis: str = "y") -> Tell:
+    return _measured(results, "poisson_ratio", lambda x, mesh: shape.poisson_ratio(x, mesh, axis))
+
+
+def _measured(results: Results, name: str, measure: Callable[[Array, Any], Array]) -> Tell:
+    """A measure of shapes, many of which it takes at once: by differences of the nodes on the outline."""
+    mesh = results.mesh
+    if mesh is None:
+        raise AnalysisError(f"gradient: {name} needs a model made by Model.from_mesh", results=results)
+
+    def tell(x: Array, f: Array, energy: float) -> Told:
+        points = x[: len(mesh.nodes)]
+        moving = [(node, axis) for node in mesh.boundary("outer") for axis in (0, 1)]
+        step, rate = STEP * float(np.ptp(points, axis=0).max()), _zero(x)
+        for start in range(0, len(moving), AT_ONCE):
+            part = moving[start : start + AT_ONCE]
+            both = np.repeat(points[None], 2 * len(part), axis=0)
+            for row, (node, axis) in enumerate(part):
+                both[2 * row, node, axis] += step
+                both[2 * row + 1, node, axis] -= step
+            values = measure(both, mesh)
+            for row, (node, axis) in enumerate(part):
+                rate[node, axis] = (values[2 * row] - values[2 * row + 1]) / (2 * step)
+        return Told(float(measure(points[None], mesh)[0]), rate, _zero(x))
+
+    return tell
+
+
+def _shape(results: Results, target: Any) -> Tell:
+    """Mean squared distance from a target shape, laid over the nodes as well as a rigid motion can."""
+    count = len(results.rest)
+    wanted = require_array(target, (count, 3), name="the target shape", owner="gradient")
+    arms = wanted - wanted.mean(axis=0)
+
+    def tell(x: Array, f: Array, energy: float) -> Told:
+        now = x - x.mean(axis=0)
+        apart = now - (arms + turned(best_rotation(arms, now), arms))
+        return Told(float((apart**2).sum() / count), 2 * apart / count, _zero(x))
+
+    return tell
+
+
+def _own(function: Callable[..., Any], owner: str) -> Tell:
+    """A user's function of positions and forces: it returns a number, or also its two derivatives (n, 3)."""
+
+    def tell(x: Array, f: Array, energy: float) -> Told:
+        answer = function(x.copy(), f.copy())
+        if isinstance(answer, tuple):
+            if len(answer) != 3:
+                raise ModelError(f"{owner}: a functional returns a number, or (number, by positions, by forces)")
+            rates = [require_array(part, x.shape, name="a derivative", owner=owner) for part in answer[1:]]
+            return Told(require_finite(answer[0], "what the functional returns", owner), rates[0], rates[1])
+        value = require_finite(answer, "what the functional returns", owner)
+        derivatives = []
+        for given, size in ((x, float(np.ptp(x, axis=0).max())), (f, float(np.abs(f).max()))):
+            step, rate = STEP * (size or 1.0), np.zeros_like(given)
+            for place in np.ndindex(*given.shape):
+                sides = []
+                for sign in (1.0, -1.0):
+                    moved = given.copy()
+                    moved[place] += sign * step
+                    pair = (moved, f.copy()) if given is x else (x.copy(), moved)
+                    sides.append(require_finite(function(*pair), "what the functional returns", owner))
+                rate[place] = (sides[0] - sides[1]) / (2 * step)
+            derivatives.append(rate)
+        return Told(value, derivatives[0], derivatives[1])
+
+    return tell
