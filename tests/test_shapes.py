@@ -13,6 +13,7 @@ import shapely
 
 import kirigami as kg
 from kirigami.model.from_mesh import on_rung
+from kirigami.study.relaxation import Relaxer
 from kirigami.study.shape_space import ShapeSpace, is_flat_sheet
 from kirigami.study.shape_trials import Descents
 
@@ -128,6 +129,22 @@ def test_a_model_on_the_trusted_rung_is_searched_on_the_cheap_one(sheet_study: k
     assert found.searched == "plate" and found[0].step.inner.size and found[0].step.stable
     assert any(shape.reached_by == "given" for shape in found)
     assert found[0].energy == pytest.approx(sheet_study[0].trusted.energy, rel=1e-6)  # type: ignore[union-attr]
+
+
+def test_a_descent_goes_on_as_long_as_it_goes_down(
+    sheet_study: kg.study.ShapeStudy, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The number of iterations of one descent is no bound of the way to a shape: a thin locked disc takes hundreds."""
+    m = sheet_study.model
+    start = sheet_study[0].step.u * [1, 1, 1.2]
+    reached = Relaxer(m, 1.0, 1e-8).relax(start)
+    monkeypatch.setattr("kirigami.analysis.path.run.MAX_RELAXATION", 5)
+    monkeypatch.setattr("kirigami.study.relaxation.MAX_RELAXATION", 5)
+    again = Relaxer(m, 1.0, 1e-8).relax(start)
+    assert again.step.stable and again.energy == pytest.approx(reached.energy, rel=1e-9)
+    monkeypatch.setattr("kirigami.study.relaxation.ROUNDS", 1)
+    with pytest.raises(kg.ConvergenceError, match="too many iterations"):
+        Relaxer(m, 1.0, 1e-8).relax(start)
 
 
 def test_the_branch_that_was_followed(sheet_study: kg.study.ShapeStudy) -> None:

@@ -8,7 +8,7 @@ import numpy as np
 
 from kirigami.analysis.path.controls import Control, LoadFactorControl
 from kirigami.analysis.path.points import Attempt, Point, State
-from kirigami.analysis.path.run import PathRun
+from kirigami.analysis.path.run import MAX_RELAXATION, PathRun
 from kirigami.analysis.path.settings import PathSettings
 from kirigami.errors import ConvergenceError
 from kirigami.linalg import SingularMatrixError, one_thread
@@ -18,6 +18,7 @@ from kirigami.results.step import Step
 from kirigami.system.system import System
 
 RISE = 1.25  # factor from one load factor to the next on the way up
+ROUNDS = 8  # most descents in a row, each from where the last one ran out of iterations, as long as the energy falls
 
 
 @dataclass(frozen=True, eq=False)
@@ -80,7 +81,7 @@ class Relaxer:
             rows = system.settled(u)
             lam = self.at * share
             q = system.unknowns(rows)
-            attempt = run.descend(State(q, lam, system.displacement(q, lam)))
+            attempt = self._downhill(State(q, lam, system.displacement(q, lam)))
             while share < 1.0:
                 point = self._point(attempt)
                 share = min(RISE * share, 1.0)
@@ -88,6 +89,19 @@ class Relaxer:
             state = self._point(attempt).state
             step = run.make_step(state.u, state.lam, 0, attempt.residual, attempt.iterations)
         return Relaxed(step, *self.energy_and_force(step))
+
+    def _downhill(self, state: State) -> Attempt:
+        """Downhill for as long as it goes down: a thin locked sheet takes hundreds of iterations."""
+        energy = self._energy(state)
+        for _ in range(ROUNDS):
+            attempt = self._run.descend(state)
+            state, before, energy = attempt.state, energy, self._energy(attempt.state)
+            if attempt.converged or attempt.iterations < MAX_RELAXATION or not energy < before:
+                break
+        return attempt
+
+    def _energy(self, state: State) -> float:
+        return float(sum(self.system.energies(state.u, state.lam).values()))
 
     def _point(self, attempt: Attempt) -> Point:
         """The equilibrium of an attempt, accepted."""
