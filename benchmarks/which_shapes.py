@@ -9,13 +9,12 @@
 * demo: the sheet of `kirigami demo`, 2 x 2.4 m, 2 x 5 curved cells, pulled by 0.4 m
 * disc: of the publication (examples/single_cut_disc.py), pulled to three quarters of its radius on each side
 * squares: 0.1 x 0.1 m and two margins, 5 x 5 perpendicular slits of 34 mm, 0.1 mm, pulled by 10 %
-* staggered: 0.1 x 0.1 m, seven rows of one or two slits of 36 mm in turn, 0.1 mm, pulled by 10 %
+* staggered: 0.1 x 0.1 m, 7 rows of two slits of 36 mm, every other row shifted, 0.1 mm, pulled by 10 %
 
 All with the imperfection of Model.imperfect (the disc with the bumps of its example). Each is pulled slowly first, then
 searched on "plate" by kg.study.shapes (seed 0, 80 trials, the default) with the end of the pull as one of the shapes,
 told as "given"; the lowest shape is followed in the pull, and the two lowest ones are relaxed on "shell" on the same
-mesh. A
-line of each sheet says after how many CPU seconds of trials its lowest shape was known. Rows are kept in
+mesh. A line of each sheet says after how many CPU seconds of trials its lowest shape was known. Rows are kept in
 benchmarks/results/which_shapes.csv, and the trials of a search in a folder beside it, so that it can be interrupted and
 goes on where it was.
 """

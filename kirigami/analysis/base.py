@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -41,10 +42,10 @@ class Run:
         What is found; its ``stats`` are kept here.
     """
 
-    def __init__(self, analysis: Analysis, linear: bool = False) -> None:
+    def __init__(self, analysis: Analysis, linear: bool = False, apart: Sequence[Any] = ()) -> None:
         self._started = time.perf_counter()
         self._solver = make_solver()
-        self.system = System(analysis.model)
+        self.system = System(analysis.model, apart)
         self.results = Results(self.system, linear=linear)
         self.results.stats["unknowns"] = self.system.free
         analysis.results = self.results

@@ -135,10 +135,13 @@ class Arc:
         From the axis to what is turned, at rest.
     rotation : ndarray, shape (3,)
         Rotation vector at load factor 1 [rad].
+    position : int
+        Of the support among the constraints.
     """
 
-    def __init__(self, numbers: Any, arms: Array, rotation: Array) -> None:
+    def __init__(self, numbers: Any, arms: Array, rotation: Array, position: int = -1) -> None:
         self.numbers, self.arms, self.angle = numbers, arms, float(np.linalg.norm(rotation))
+        self.position = position
         self.axis = rotation / (self.angle or 1.0)
         self._dim = numbers.shape[1]
         self._start = np.cross(rotation, arms)

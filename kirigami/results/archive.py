@@ -23,6 +23,7 @@ from kirigami.results.drives import Drive
 from kirigami.results.results import Results
 from kirigami.results.step import Event, Step
 from kirigami.results.supports import Support
+from kirigami.system.apart import ApartKernel
 
 FORMAT = 3  # version of the results file; formats 1 and 2 are read as well
 
@@ -82,7 +83,9 @@ def pack(results: Results, with_kernels: bool = True) -> dict[str, Any]:
                 arrays[f"kernel{position}.{key}"] = value
             else:
                 plain[key] = value
-        kernels.append({"class": type(kernel).__name__, "values": plain})
+        apart = isinstance(kernel, ApartKernel)
+        plain_kernel = kernel.kernel if isinstance(kernel, ApartKernel) else kernel
+        kernels.append({"class": type(plain_kernel).__name__, "values": plain, **({"apart": True} if apart else {})})
     # Located points of events are steps as well, kept behind those of the path.
     located = [event.located for event in results.events if event.located is not None]
     steps = [*results.steps, *located]
@@ -102,6 +105,10 @@ def pack(results: Results, with_kernels: bool = True) -> dict[str, Any]:
             arrays[name] = rows.reshape(len(steps), count, 3)
         arrays["time"] = np.array([step.time for step in steps])
         arrays["kinetic"] = np.array([step.kinetic for step in steps])
+        for name, count in (("forces", len(results.rest)), ("inner_forces", len(results.inner_rest))):
+            unknown = np.full((count, 3), np.nan)
+            told = [unknown if step.forces is None else getattr(step, name) for step in steps]
+            arrays[name] = np.array(told).reshape(len(steps), count, 3)
     for position, event in enumerate(results.events):
         if event.mode is not None:
             arrays[f"mode{position}"] = event.mode
@@ -308,7 +315,8 @@ def _rebuild(head: dict[str, Any], data: dict[str, Any]) -> Results:
                 f"the results hold a {entry['class']}, no kernel of this package: only those are read from files"
             )
         cls = getattr(importlib.import_module(f"kirigami.{KERNELS[entry['class']]}"), entry["class"])
-        results.kernels.append(cls(rest, **values, **entry["values"]))
+        kernel = cls(rest, **values, **entry["values"])
+        results.kernels.append(ApartKernel(kernel) if entry.get("apart") else kernel)
     results.steps, results.events = (_unpack_format_1 if head["format"] == 1 else unpack_path)(head, data)
     _put_tips_behind(results)
     if head["mesh"] is not None:
@@ -366,6 +374,8 @@ def _motion(data: dict[str, Any], index: int) -> dict[str, Any]:
     if "time" not in data or not np.isfinite(data["time"][index]):
         return {}
     rows = {name: data[name][index] for name in ("velocity", "inner_velocity")}
+    if "forces" in data and not np.isnan(data["forces"][index]).any():
+        rows |= {name: data[name][index] for name in ("forces", "inner_forces")}
     return {"time": float(data["time"][index]), "kinetic": float(data["kinetic"][index]), **rows}
 
 

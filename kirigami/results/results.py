@@ -237,6 +237,9 @@ class Results(ModelRecord):
         at_rest = self.configuration()
         total = np.zeros((len(self.steps), *at_rest.shape))
         for target, step in zip(total, self.steps):
+            if step.forces is not None:
+                target[:] = np.concatenate([step.forces, step.inner_forces])[:, : self.dim]
+                continue
             for kernel in self.kernels:
                 if self.linear:
                     at_start = linear_contribution(kernel, at_rest, step.lam)
@@ -252,6 +255,8 @@ class Results(ModelRecord):
 
     def reaction(self, nodes: Nodes, axis: str | Sequence[float] | Array | None = None) -> Array:
         """Force of the support on the structure, summed over nodes.
+
+        In a motion it is the mean since the moment stored before, with what moves the mass of the nodes it holds.
 
         What is tied to a node counts with it: the support holds it by the tie. So the force of a support that drives
         the leader of a rigid grip is that of the whole grip, and its work is the energy stored.

@@ -47,6 +47,11 @@ class Step:
         The same of the rows that elements keep behind the nodes.
     kinetic : float
         Kinetic energy [force length].
+    forces : ndarray, shape (n, 3), or None
+        In a motion the forces of supports on the nodes, about zero elsewhere [force]: the mean since the moment stored
+        before, inertia and damping included. None at its first moment.
+    inner_forces : ndarray, shape (h, 3)
+        The same of the rows that elements keep behind the nodes.
 
     Examples
     --------
@@ -73,6 +78,8 @@ class Step:
     velocity: Array | None = None
     inner_velocity: Array = field(default_factory=lambda: np.zeros((0, 3)))
     kinetic: float = 0.0
+    forces: Array | None = None
+    inner_forces: Array = field(default_factory=lambda: np.zeros((0, 3)))
 
     @property
     def stable(self) -> bool:

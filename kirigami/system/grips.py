@@ -78,11 +78,46 @@ class Grips:
             rate = grip.radius * rate_of_spin(self._theta(grip, about), spin)
             field[grip.turn] = rate if self.dim == 3 else (rate[2], 0.0)
 
-    def carry(self, total: Array, u: Array) -> None:
-        """Add forces (rows, dim) on what follows to the rows that lead."""
+    def led_freely(self, free: Any) -> Any:
+        """Which displacements (rows, dim) follow one of those that are `free` (rows, dim)."""
+        found = np.zeros_like(free)
         for grip in self.grips:
+            found[grip.followers] = free[grip.turn].any()
+            found[grip.points] |= free[grip.shift].any()
+        return found
+
+    def carry(self, total: Array, u: Array, chord: Array | None = None) -> None:
+        """Add forces (rows, dim) on what follows to the rows that lead.
+
+        With a `chord` (rows, dim) that ends at `u`, what they work on it is the same on both sides: the derivative in
+        its middle, and in the direction of the turn the quotient of differences.
+        """
+        for grip in self.grips:
+            if chord is None:
+                rates = self._rates(grip, u)
+            else:
+                turn = chord[grip.turn]
+                rates = self._rates(grip, u - 0.5 * chord)
+                square = float(turn @ turn)
+                if square > 0:
+                    went = chord[grip.followers].copy()
+                    went[: len(grip.points)] -= chord[grip.shift]
+                    rates = rates + (went - rates @ turn)[:, :, None] * turn / square
             total[grip.shift] += total[grip.points].sum(axis=0)
-            total[grip.turn] += np.einsum("nij,ni->j", self._rates(grip, u), total[grip.followers])
+            total[grip.turn] += np.einsum("nij,ni->j", rates, total[grip.followers])
+
+    def lead_rates(self, field: Array, about: Array) -> None:
+        """Write into velocities (rows, dim) of what follows those of the rows that lead: the nearest rigid motion."""
+        for grip in self.grips:
+            count = len(grip.points)
+            arms = grip.arms[:count] + turned(self._theta(grip, about), grip.arms[:count])
+            away = np.zeros((count, 3))
+            field[grip.shift] = field[grip.points].mean(axis=0)
+            away[:, : self.dim] = field[grip.points] - field[grip.shift]
+            inertia = (arms**2).sum() * np.eye(3) - arms.T @ arms
+            spin = np.linalg.lstsq(inertia, np.cross(arms, away).sum(axis=0), rcond=1e-12)[0]
+            rate = grip.radius * rate_of_spin(self._theta(grip, about), spin)
+            field[grip.turn] = rate if self.dim == 3 else (rate[2], 0.0)
 
     def settle(self, rows: Array) -> None:
         """Guess the rows that lead from the displacements of the points, and let the others follow."""

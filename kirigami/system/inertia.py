@@ -35,7 +35,9 @@ class Inertia:
     rows : sparse matrix, shape (rows, rows)
         Mass over the rows of the system, for each axis.
     blocks : ndarray, shape (dim, dim, blocks)
-        The same as node blocks of the assembly plan.
+        The same as node blocks of the assembly plan, with what follows rigid grips carried to the rows that lead.
+    uncarried : ndarray, shape (dim, dim, blocks)
+        The same without that.
     matrix : sparse matrix, shape (free, free)
         Mass over the unknowns, in the pattern of the stiffness.
 
@@ -62,7 +64,9 @@ class Inertia:
         self.blocks = np.zeros((system.dim, system.dim, plan.count))
         for axis in range(system.dim):
             self.blocks[axis, axis] = count
+        self.uncarried = self.blocks
         if system.grips is not None:
+            self.blocks = self.blocks.copy()
             none = np.zeros_like(system.rest)
             system.grips.condense(self.blocks, plan.low, plan.high, none if about is None else about, none, 0.0)
         self.matrix = system.matrix(self.blocks)

@@ -19,6 +19,7 @@ from kirigami.model.model import Model
 from kirigami.primitives.checks import require_array, require_boolean, require_finite, require_instance
 from kirigami.primitives.kernel import EXACT, Array, Configuration, Kernel, Tangent, hessian_blocks
 from kirigami.primitives.parts import Numbering
+from kirigami.system.apart import ApartKernel, kernels_apart, require_apart
 from kirigami.system.assembly import BlockPlan, Index, PickPlan, compiled_largest_turn, scatter_add, twins
 from kirigami.system.clock import Clock
 from kirigami.system.unknowns import Unknowns
@@ -33,6 +34,8 @@ class System(Unknowns):
     ----------
     model : Model
         Lowered as it stands now; using the system after the model was edited raises a ModelError.
+    apart : sequence of objects
+        Loads and supports of the model that follow load factors of their own, as :meth:`factored` says them.
 
     Attributes
     ----------
@@ -64,12 +67,13 @@ class System(Unknowns):
     5.0
     """
 
-    def __init__(self, model: Model) -> None:
+    def __init__(self, model: Model, apart: Sequence[Any] = ()) -> None:
         require_instance(model, Model, "model", "System")
         if not model.nodes:
             raise ModelError("the model has no nodes: add nodes and elements before an analysis")
         if not model.elements:
             raise ModelError("the model has no elements: add bars, hinges or springs before an analysis")
+        apart = require_apart(apart, model, "apart", "System")
         self.model = model
         self.version = model.version
         self.clock = Clock()
@@ -78,8 +82,10 @@ class System(Unknowns):
             numbering = Numbering(model.nodes, rest, model.mesh, model.sheet_constants)
             self.size, self.points = numbering.size, numbering.points
             self.kernels = self._lower(model.objects, numbering)
+            self._apart: list[Sequence[ApartKernel]] = [kernels_apart(item, numbering) for item in apart]
+            self.kernels += [kernel for kernels in self._apart for kernel in kernels]
             self._reach = numbering.reach[self.points :]
-            super().__init__(numbering, model.constraints)
+            super().__init__(numbering, model.constraints, apart)
             self._check_dangling(numbering)
             self._measure()
         self.twins = twins(self.kernels)
@@ -181,6 +187,15 @@ class System(Unknowns):
             self.grips.settle(rows)
         return rows
 
+    def factored(self, factors: Array) -> float:
+        """Take load factors (1 + k,), the common one and those of the k objects with their own, for what is asked next;
+        the common one."""
+        self.own = factors[1:]
+        for kernels, factor in zip(self._apart, self.own):
+            for kernel in kernels:
+                kernel.factor = float(factor)
+        return float(factors[0])
+
     # ---- evaluation
 
     def energies(self, u: Array, lam: float = 0.0) -> dict[str, float]:
@@ -192,8 +207,11 @@ class System(Unknowns):
             totals[kernel.name] = totals.get(kernel.name, 0.0) + float(kernel.evaluate(x, lam, 0).energy.sum())
         return totals
 
-    def forces(self, u: Array, lam: float) -> tuple[Array, float]:
-        """Gradient of the potential (n, dim), and the root sum of squares of the unassembled forces."""
+    def forces(self, u: Array, lam: float, carried: bool = True) -> tuple[Array, float]:
+        """Gradient of the potential (n, dim), and the root sum of squares of the unassembled forces.
+
+        `carried` adds what follows grips onto the rows that lead.
+        """
         x = self.configuration(u)
         total = np.zeros(self.rest.shape)
         squares = 0.0
@@ -209,7 +227,7 @@ class System(Unknowns):
                 in_memory_order = gradient.ravel(order="K")
                 squares += float(in_memory_order @ in_memory_order)
                 scatter_add(total, kernel.conn, gradient)
-        if self.grips is not None:
+        if self.grips is not None and carried:
             self.grips.carry(total, u)
         return total, float(np.sqrt(squares))
 

@@ -27,7 +27,7 @@ class Unknowns:
 
     grips: Grips | None = None
 
-    def __init__(self, numbering: Numbering, constraints: Sequence[Any]) -> None:
+    def __init__(self, numbering: Numbering, constraints: Sequence[Any], apart: Sequence[Any] = ()) -> None:
         self.dim = numbering.dim
         self.rest = numbering.rest
         self.points = numbering.points
@@ -73,7 +73,7 @@ class Unknowns:
                     still = np.concatenate([still, angles])
                 owner[still], fixed[still] = position, True
             if hasattr(item, "rotation") and not item.constant:
-                self._turn(item, nodes, middles if numbering.edges is not None else nodes[:0], drive)
+                self._turn(item, nodes, middles if numbering.edges is not None else nodes[:0], drive, position)
         fixed |= numbering.idle.ravel()
         if numbering.grips:
             from kirigami.system.grips import Grips
@@ -111,8 +111,12 @@ class Unknowns:
         self.held = held
         self._tied: Index = tied
         self.constrained = (owner.reshape(-1, self.dim) >= 0) | numbering.idle
+        places = {id(item): position for position, item in enumerate(constraints)}
+        self._positions = [places.get(id(item), -2) for item in apart]
+        self._moved_apart: list[Index] = [np.flatnonzero(owner[leader] == position) for position in self._positions]
+        self.own = np.zeros(len(apart))  # load factors of what has its own
 
-    def _turn(self, item: Any, nodes: Index, middles: Index, drive: Array) -> None:
+    def _turn(self, item: Any, nodes: Index, middles: Index, drive: Array, position: int) -> None:
         """Drive nodes, and the middles of edges between them, along arcs."""
         from kirigami.model.turn import Arc  # what turns nothing needs no arcs
 
@@ -123,7 +127,7 @@ class Unknowns:
         arms = np.zeros((len(rows), 3))
         arms[:, : self.dim] = self.rest[rows]
         arms[: len(nodes)] -= item.about  # middles are offsets from the ends of their edges
-        arc = Arc(numbers, arms, item.rotation)
+        arc = Arc(numbers, arms, item.rotation, position)
         drive[numbers] = arc.start
         drive[numbers[: len(nodes)]] += item.shift[: self.dim]
         self.arcs.append(arc)
@@ -135,7 +139,25 @@ class Unknowns:
     def known(self, lam: float) -> Array:
         """What constraints say of all displacements (dofs,) at a load factor."""
         u: Array = lam * self.drive + self.held
-        return self._add_arcs(u, [arc.beyond(lam) for arc in self.arcs])
+        for at, factor in zip(self._moved_apart, self.own):
+            u[at] += (factor - lam) * self.drive[self.leader[at]]
+        return self._add_arcs(u, [arc.beyond(self._factor_of(arc, lam)) for arc in self.arcs])
+
+    def known_rate(self, lam: float, rates: Array) -> Array:
+        """How fast that (dofs,) changes at rates (1 + k,) of the load factor and of those that objects have of their
+        own."""
+        change: Array = rates[0] * self.drive
+        for at, rate in zip(self._moved_apart, rates[1:]):
+            change[at] += (rate - rates[0]) * self.drive[self.leader[at]]
+        parts = []
+        for arc in self.arcs:
+            rate = rates[1 + self._positions.index(arc.position)] if arc.position in self._positions else rates[0]
+            parts.append(rate * arc.rate_beyond(self._factor_of(arc, lam)))
+        return self._add_arcs(change, parts)
+
+    def _factor_of(self, arc: Any, lam: float) -> float:
+        """The load factor that turns an arc."""
+        return float(self.own[self._positions.index(arc.position)]) if arc.position in self._positions else lam
 
     def drive_at(self, lam: float) -> Array:
         """Change of that (dofs,) with the load factor."""

@@ -32,8 +32,8 @@ NOT_CALLED: dict[str, str] = {
         Results.step_number Results.configuration Results.rows System.joined System.settled System.parted System.c*
         System.displacement System.forces System.imbalance System.l*
         System.matrix System.motion System.small_displacement System.plan_with System.potential_rate System.re*
-        System.start_stage System.stiffness_blocks System.unknowns System.drive_at System.known
-        System.straighten""".split(),
+        System.start_stage System.stiffness_blocks System.unknowns System.drive_at System.known*
+        System.factored System.straighten""".split(),
         STEPS,
     ),
     "Normal": "made by the rung that needs it",

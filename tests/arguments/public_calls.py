@@ -248,7 +248,7 @@ CALLS: dict[str, Callable[[], Call]] = {
     "Gravity.held": lambda: (kg.Gravity((0, 1)).held, {"lam": 0.5}),
     "Calibration": lambda: (kg.Calibration, {"F_s": 0.85, "c": 0.1}),
     "Calibration.named": lambda: (kg.Calibration.named, {"stiffness": "plate", "material": STEEL}),
-    "System": lambda: (kg.System, {"model": truss()}),
+    "System": lambda: (kg.System, {"model": truss(), "apart": []}),
     "System.stiffness": lambda: (system().stiffness, {"u": u(), "lam": 0.0}),
     "System.gradient": lambda: (system().gradient, {"u": u(), "lam": 0.0}),
     "System.energies": lambda: (system().energies, {"u": u(), "lam": 0.0}),
@@ -285,7 +285,7 @@ CALLS: dict[str, Callable[[], Call]] = {
     "Eigen.run": lambda: (kg.Eigen(truss(), n=1).run, {}),
     "Dynamics": lambda: (lambda **given: kg.Dynamics(**given).run(), {
         "model": heavy(), "end": 0.2, "step": 0.1, "damping": 0.1, "load": 1.0, "velocity": [[0, 0], [0, 1], [0, 0]],
-        "push": 0.01, "every": 1, "tol": 1e-8,
+        "push": 0.01, "histories": {}, "every": 1, "tol": 1e-8,
     }),
     "Dynamics.run": lambda: (kg.Dynamics(heavy(), end=0.2, step=0.1).run, {}),
     "Mode.plot": lambda: (kg.Eigen(heavy(), n=1).run()[0].plot, {"amplitude": 0.1}),

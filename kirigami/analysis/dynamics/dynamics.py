@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from kirigami.analysis.dynamics.history import History
+from kirigami.analysis.dynamics.history import Histories, History
 from kirigami.analysis.dynamics.run import DynamicsRun
 from kirigami.analysis.dynamics.schemes import SCHEMES
 from kirigami.analysis.resumable import Recorder, Resumable
@@ -26,6 +26,7 @@ from kirigami.primitives.checks import (
 )
 from kirigami.primitives.kernel import Array
 from kirigami.results.step import Event, Step
+from kirigami.system.apart import require_apart
 
 MASSES = ("consistent", "lumped")
 
@@ -56,6 +57,9 @@ class Dynamics(Resumable):
     load : float, callable or array_like, shape (k, 2), optional
         Load factor over time: a value that acts from the beginning, a function of time, or a table of times and
         values. None is the load factor of a `start` in the same stage, and 1 otherwise.
+    histories : mapping of objects of the model to float, callable or array_like, optional
+        Loads and supports that follow load factors of their own, each given as `load` is:
+        ``{wind: gust, shaker: sine}``.
     velocity : array_like, shape (n, 3) or (n, dim), optional
         Velocities of the nodes at the beginning [length / time].
     push : float
@@ -72,13 +76,17 @@ class Dynamics(Resumable):
     Raises
     ------
     ModelError
-        Values out of range; in a run no mass, a start of another model, supports that would have to jump.
+        Values out of range, a history of what is no load and no driven support of the model; in a run no mass, a start
+        of another model, supports that would have to jump.
 
     Notes
     -----
-    A reaction is what members and loads leave to the support: the inertia of the nodes it drives comes on top. On parts
-    that nothing holds linear and angular momentum are kept too, at the cost of an error of energy that falls with the
-    fourth power of the step: 1e-5 of it where a step turns the part by 0.005 rad, 2e-3 at 0.02 rad.
+    Reactions of a motion have inertia and damping in them: each is the mean since the moment stored before, so that
+    times the time gone by they sum up to the change of momentum. At the first moment they are what members and loads
+    leave. On parts that nothing holds linear and angular momentum are kept too, at the cost of an error of energy that
+    falls with the fourth power of the step: 1e-5 of it where a step turns the part by 0.005 rad, 2e-3 at 0.02 rad. A
+    rigid link that floats in a plane keeps energy and momenta; in space its angular momentum to second order, and it is
+    to turn by less than a full turn.
 
     Examples
     --------
@@ -102,6 +110,7 @@ class Dynamics(Resumable):
         scheme: str = "conserving",
         start: Step | Event | None = None,
         load: float | Callable[[float], float] | ArrayLike | None = None,
+        histories: Mapping[Any, float | Callable[[float], float] | ArrayLike] | None = None,
         velocity: ArrayLike | None = None,
         push: float = 0.01,
         mass: str = "consistent",
@@ -127,8 +136,8 @@ class Dynamics(Resumable):
             raise ModelError(f"Dynamics: end={self.end:g} is not after the time of start, {self.begin:g}")
         if load is None:
             load = start.lam if start is not None and start.stage == self.model.stage else 1.0
-        self._load = History(load, "Dynamics")
-        self.load_values = self._load.memorable(self.end)
+        self._load = History(load, "load", "Dynamics")
+        self._own = _own_histories(model, histories)
         n = len(self.model.nodes)
         self.velocity = None
         if velocity is not None:
@@ -144,14 +153,40 @@ class Dynamics(Resumable):
         """The load factor over time."""
         return self._load
 
+    @property
+    def factors(self) -> Histories:
+        """The load factor and those of the objects that have their own, over time."""
+        return Histories([self._load, *self._own.values()])
+
+    @property
+    def apart(self) -> tuple[Any, ...]:
+        """The objects that have a history of their own."""
+        return tuple(self._own)
+
     def memorable(self) -> dict[str, Any]:
         """What tells this motion from another one of the same model; where it ends does not."""
-        return {name: value for name, value in super().memorable().items() if name not in ("end", "load_values")} | {
-            "load": self._load.memorable(self.begin + 1000 * self.step)
+        objects = {id(item): number for number, item in enumerate(self.model.objects)}
+        until = self.begin + 1000 * self.step
+        return {name: value for name, value in super().memorable().items() if name != "end"} | {
+            "load": self._load.memorable(until),
+            **{f"history of {objects[id(item)]}": own.memorable(until) for item, own in self._own.items()},
         }
 
     def _make_walk(self, recorders: Iterable[Recorder]) -> DynamicsRun:
         return DynamicsRun(self, recorders)
+
+
+def _own_histories(model: Model, given: Any) -> dict[Any, History]:
+    """The histories of loads and driven supports that have their own."""
+    if given is None:
+        return {}
+    if not isinstance(given, Mapping):
+        raise ModelError(
+            "Dynamics: histories must map objects of the model to factors over time, as {wind: gust}, got "
+            f"{shown(given)}"
+        )
+    items = require_apart(list(given), model, "histories", "Dynamics")
+    return {item: History(given[item], f"history of {item!r}", "Dynamics") for item in items}
 
 
 def _shares(damping: Any) -> tuple[float, float]:

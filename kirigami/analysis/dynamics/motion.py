@@ -10,7 +10,7 @@ import numpy as np
 
 from kirigami.analysis.dynamics.spin import Spin
 from kirigami.linalg import Factor, SingularMatrixError
-from kirigami.primitives.kernel import Array, Tangent
+from kirigami.primitives.kernel import EXACT, Array, Tangent
 from kirigami.system.inertia import Inertia
 from kirigami.system.system import System
 
@@ -29,17 +29,30 @@ class Moment:
 
     Attributes
     ----------
-    time, lam, lam_rate : float
-        Time, load factor and its rate.
-    q, rate : ndarray, shape (free,)
-        Unknowns and their rates.
+    time : float
+        Time.
+    factors, rates : ndarray, shape (1 + k,)
+        Load factor, then those of the k objects with a history of their own; and how fast they change.
+    q : ndarray, shape (free,)
+        Unknowns.
+    velocity : ndarray, shape (rows, dim)
+        Velocities.
+    impulse : ndarray, shape (rows, dim), or None
+        What supports gave in the time step that led here: the change of momentum less what damping, members and loads
+        gave; about zero where nothing is held. None at the beginning.
     """
 
     time: float
-    lam: float
-    lam_rate: float
+    factors: Array
+    rates: Array
     q: Array
-    rate: Array
+    velocity: Array
+    impulse: Array | None = None
+
+    @property
+    def lam(self) -> float:
+        """The load factor."""
+        return float(self.factors[0])
 
 
 class StepFailedError(Exception):
@@ -76,28 +89,50 @@ class Motion:
     ) -> None:
         self.system, self.inertia, self.factorize = system, inertia, factorize
         self.damping, self.tol, self.count = damping, tol, count
-        self.massless = inertia.matrix.diagonal() == 0
+        moving = system.unknown >= 0
+        self.massless = moving.copy()
+        self.massless[moving] = (inertia.matrix.diagonal() == 0)[system.unknown[moving]]
+        self.free = moving.reshape(system.rest.shape).copy()
+        if system.grips is not None:
+            self.free |= system.grips.led_freely(self.free)
         self.spin = Spin(system, inertia)
+
+    def at(self, q: Array, factors: Array) -> Array:
+        """Displacements (rows, dim) for unknowns (free,) and load factors (1 + k,)."""
+        lam = self.system.factored(factors)
+        return self.system.displacement(q, lam)
 
     def displacement(self, moment: Moment) -> Array:
         """Displacements (rows, dim)."""
-        return self.system.displacement(moment.q, moment.lam)
+        return self.at(moment.q, moment.factors)
 
-    def velocity(self, rate: Array, lam: float, lam_rate: float) -> Array:
-        """Velocities (rows, dim) at rates of the unknowns, and at a load factor and its rate."""
+    def velocity(self, rate: Array, factors: Array, rates: Array, about: Array) -> Array:
+        """Velocities (rows, dim) at rates of the unknowns (free,) and of the load factors (1 + k,), about displacements
+        (rows, dim)."""
         system = self.system
-        full = lam_rate * system.drive_at(lam) if lam_rate else np.zeros(system.rest.size)
+        full = system.known_rate(system.factored(factors), rates)
         moving = system.unknown >= 0
         full[moving] += rate[system.unknown[moving]]
-        return full.reshape(system.rest.shape)
+        field: Array = full.reshape(system.rest.shape)
+        if system.grips is not None:
+            system.grips.follow(field, about)
+        return field
+
+    def forces(self, u: Array, factors: Array) -> tuple[Array, float]:
+        """Gradient of the potential (rows, dim), nothing of it carried to the rows that lead, and its scale."""
+        return self.system.forces(u, self.system.factored(factors), carried=False)
 
     def kinetic(self, moment: Moment) -> float:
         """Kinetic energy."""
-        return self.inertia.energy(self.velocity(moment.rate, moment.lam, moment.lam_rate))
+        return self.inertia.energy(moment.velocity)
 
     def potential(self, moment: Moment) -> float:
         """Stored energy and that of the loads."""
         return sum(self.system.energies(self.displacement(moment), moment.lam).values())
+
+    def stiffness_blocks(self, u: Array, factors: Array, tangent: Tangent = EXACT) -> Array:
+        """Node blocks of the tangent, nothing of it carried to the rows that lead."""
+        return self.system.stiffness_blocks(u, self.system.factored(factors), tangent, carried=False)
 
     def damping_blocks(self, moment: Moment, more: float = 0.0) -> Array | None:
         """Node blocks of the damping matrix, None without any: mass, and the stiffness at the beginning of the step
@@ -105,13 +140,29 @@ class Motion:
         mass, stiffness = self.damping[0], self.damping[1] + more
         if not mass and not stiffness:
             return None
-        blocks = mass * self.inertia.blocks
+        blocks = mass * self.inertia.uncarried
         if stiffness:
-            blocks = blocks + stiffness * self.system.stiffness_blocks(self.displacement(moment), moment.lam, CONVEX)
+            blocks = blocks + stiffness * self.stiffness_blocks(self.displacement(moment), moment.factors, CONVEX)
+        return blocks
+
+    def carried(self, total: Array, u: Array, chord: Array) -> Array:
+        """Forces over the unknowns (free,) of forces (rows, dim) on a chord (rows, dim) that ends at `u`."""
+        system = self.system
+        if system.grips is not None:
+            total = total.copy()
+            system.grips.carry(total, u, chord)
+        return system.reduce(total)
+
+    def carried_blocks(self, blocks: Array, u: Array, chord: Array, total: Array) -> Array:
+        """Node blocks of the derivative of that, about."""
+        system = self.system
+        if system.grips is not None:
+            plan = system.plan
+            system.grips.condense(blocks, plan.low, plan.high, u - 0.5 * chord, 0.5 * total, 0.0)
         return blocks
 
     def corrected(
-        self, start: Moment, guess: Array, lam: float, equations: Equations
+        self, start: Moment, guess: Array, factors: Array, equations: Equations
     ) -> tuple[Array, int, float]:
         """Unknowns at the end of a step, the corrections it took, and the relative residual.
 
@@ -119,8 +170,8 @@ class Motion:
         """
         system = self.system
         q = guess
-        u = system.displacement(q, lam)
         before = self.displacement(start)
+        u = self.at(q, factors)
         still = False
         for correction in range(CORRECTIONS + 1):
             with np.errstate(all="ignore"):
@@ -140,14 +191,14 @@ class Motion:
                     change = -factor.solve(residual)
             except SingularMatrixError as error:
                 raise StepFailedError(str(error)) from None
-            turn = system.largest_rotation(system.displacement(q + change, lam) - u)
+            turn = system.largest_rotation(self.at(q + change, factors) - u)
             if not np.isfinite(turn):
                 raise StepFailedError("a correction is not finite")
             if turn > CAP:
                 change, turn = (CAP / turn) * change, CAP
             still = turn < STILL
             q = q + change
-            u = system.displacement(q, lam)
+            u = self.at(q, factors)
             self.count()
         turn = system.largest_rotation(u - before)
         if turn > REFUSED:

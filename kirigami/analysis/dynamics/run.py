@@ -16,6 +16,7 @@ from kirigami.analysis.path.checkpoint import Checkpoint
 from kirigami.analysis.resumable import Recorder
 from kirigami.errors import ConvergenceError, MechanismError, ModelError
 from kirigami.linalg import SingularMatrixError, inverse_iteration
+from kirigami.primitives.kernel import Array
 from kirigami.progress import ProgressBar
 from kirigami.results.results import Results
 from kirigami.results.step import Step
@@ -29,16 +30,11 @@ class DynamicsRun(Run):
     """A run that goes from moment to moment, and stores each, or some of them."""
 
     def __init__(self, settings: Dynamics, recorders: Iterable[Recorder] = ()) -> None:
-        super().__init__(settings)
-        self.settings = settings
+        super().__init__(settings, apart=settings.apart)
+        self.settings, self.factors = settings, settings.factors
         self.recorders = tuple(recorders)
         self.checkpoint: Checkpoint | None = None
         self.bar = ProgressBar(False, "")
-        if self.system.grips is not None:
-            raise ModelError(
-                "Dynamics: a Grip or RigidLink has an inertia that changes as it turns, which no scheme here knows; "
-                "drive nodes by Turn or Prescribe, or hold them together by stiff bars"
-            )
         self.inertia = Inertia(self.system, settings.mass)
         self.motion = Motion(
             self.system, self.inertia, self.factorize, settings.damping, settings.tol, self._count_correction
@@ -50,6 +46,7 @@ class DynamicsRun(Run):
         self.first_energy = 0.0
         self.largest_kinetic = 0.0
         self.off = 0.0  # largest change of the total energy
+        self.impulse = np.zeros_like(self.system.rest)  # of the supports since the moment stored last
 
     def _count_correction(self) -> None:
         self.results.stats["iterations"] += 1
@@ -57,8 +54,8 @@ class DynamicsRun(Run):
     def _count_cut(self) -> None:
         self.results.stats["cutbacks"] += 1
 
-    def _load(self, time: float) -> tuple[float, float]:
-        return self.settings.load.at(time), self.settings.load.rate(time, self.settings.step)
+    def _load(self, time: float) -> tuple[Array, Array]:
+        return self.factors.at(time), self.factors.rate(time, self.settings.step)
 
     def where(self) -> str:
         """How far it has come, in words."""
@@ -78,11 +75,13 @@ class DynamicsRun(Run):
             self._resume(*stored)
         self.bar.start(self._progress())
         taken = 0
-        stops = [float(time) for time in settings.load.times if settings.begin < time < settings.end] + [settings.end]
+        stops = [float(time) for time in self.factors.times if settings.begin < time < settings.end] + [settings.end]
         for stop in stops:
             while self.moment.time < stop:
                 corrections, residual = self._advance(stop)
                 taken += 1
+                assert self.moment.impulse is not None
+                self.impulse += self.moment.impulse
                 if taken % settings.every == 0 or self.moment.time >= settings.end:
                     self._store(corrections, residual)
                     if self.checkpoint is not None:
@@ -95,33 +94,44 @@ class DynamicsRun(Run):
     def _first_moment(self) -> Moment:
         """Where the settings say that the motion begins."""
         settings, system = self.settings, self.system
-        q, held = self.begin_at(settings.start)
-        time = settings.begin
-        lam, lam_rate = self._load(time)
-        apart = float(np.abs(system.known(lam) - system.known(held)).max(initial=0.0))
+        start, time = settings.start, settings.begin
+        factors, rates = self._load(time)
+        moved = start is not None and start.velocity is not None
+        before = start.lam if start is not None and start.stage == system.model.stage else 0.0
+        system.own = factors[1:] if moved else np.full(len(factors) - 1, before)
+        q, held = self.begin_at(start)
+        stand = system.known(held)
+        apart = float(np.abs(system.known(system.factored(factors)) - stand).max(initial=0.0))
         if apart > 1e-9 * system.size:
             raise ModelError(
                 f"Dynamics: supports would have to jump by {apart:.3g} at the beginning, since they stand where load "
-                f"factor {held:.6g} puts them and load gives {lam:.6g}: let load begin with {held:.6g}, as in "
-                f"load=[(0, {held:.6g}), (0.1, 1)]"
+                f"factor {held:.6g} puts them and load, or a history, gives another one: let it begin with {held:.6g}, "
+                f"as in load=[(0, {held:.6g}), (0.1, 1)]"
             )
-        rate = np.zeros(system.free)
-        start = settings.start
+        u = self.motion.at(q, factors)
+        rate, given = np.zeros(system.free), None
         if settings.velocity is not None:
-            full = np.zeros_like(system.rest)
-            full[: system.points] = settings.velocity[:, : system.dim]
-            rate = system.unknowns(full)
-            fits = self.motion.velocity(rate, lam, lam_rate)[: system.points]
-            off = np.abs(fits - full[: system.points]).max(axis=1)
+            given = np.zeros_like(system.rest)
+            given[: system.points] = settings.velocity[:, : system.dim]
+            if system.grips is not None:
+                system.grips.lead_rates(given, u)
+            rate = system.unknowns(given)
+        elif start is not None and start.velocity is not None:
+            given = system.joined(start.velocity, start.inner_velocity)
+            rate = system.unknowns(given)
+        velocity = self.motion.velocity(rate, factors, rates, u)
+        if settings.velocity is not None:
+            assert given is not None
+            off = np.abs(velocity - given)[: system.points].max(axis=1)
             worst = int(np.argmax(off))
-            if off[worst] > 1e-9 * float(np.abs(full).max(initial=0.0)):
+            if off[worst] > 1e-9 * float(np.abs(settings.velocity).max(initial=0.0)):
                 raise ModelError(
                     f"Dynamics: the velocity of node {worst} {system.model.nodes[worst]!r} is not what its supports "
                     "and ties allow: leave it zero there"
                 )
-        elif start is not None and start.velocity is not None:
-            rate = system.unknowns(system.joined(start.velocity, start.inner_velocity))
-        moment = Moment(time, lam, lam_rate, q, rate)
+        elif given is not None:
+            velocity = np.where(self.motion.free, given, velocity)
+        moment = Moment(time, factors, rates, q, velocity)
         self._check_equations(moment)
         return moment
 
@@ -145,7 +155,7 @@ class DynamicsRun(Run):
         matrix = system.matrix(system.stiffness_blocks(u, self.moment.lam))
         with suppress(SingularMatrixError):
             _, mode = inverse_iteration(self.factorize(matrix), system.free, 30, 1e-6)
-            change = self.motion.velocity(mode, 0.0, 0.0)
+            change = system.motion(mode, about=u)
             side = np.sign(float((system.parted(change)[0] * settings.mode).sum())) or 1.0
             self.moment.q = self.moment.q + (side * settings.push / system.largest_rotation(change)) * mode
 
@@ -161,7 +171,7 @@ class DynamicsRun(Run):
         kinetic = self.motion.kinetic(self.moment)
         self.largest_kinetic = max(self.largest_kinetic, kinetic)
         loses = settings.scheme != "conserving" or any(settings.damping)
-        if not loses and self.moment.lam == settings.load.at(settings.begin):
+        if not loses and np.array_equal(self.moment.factors, self.factors.at(settings.begin)):
             self.off = max(self.off, abs(kinetic + self.motion.potential(self.moment) - self.first_energy))
             self.results.stats["energy_drift"] = self.off / (self.largest_kinetic or 1.0)
         return corrections, residual
@@ -176,9 +186,12 @@ class DynamicsRun(Run):
 
     def _store(self, corrections: int, residual: float) -> None:
         system, moment = self.system, self.moment
-        velocity = self.motion.velocity(moment.rate, moment.lam, moment.lam_rate)
+        velocity = moment.velocity
+        since = moment.time - self.results[-1].time if len(self.results) else 0.0
         nodal, inner = system.parted(self.motion.displacement(moment))
         nodal_velocity, inner_velocity = system.parted(velocity)
+        forces, inner_forces = system.parted(self.impulse / since) if since > 0 else (None, np.zeros((0, 3)))
+        self.impulse[:] = 0.0
         kinetic = self.inertia.energy(velocity)
         if not (np.isfinite(nodal).all() and np.isfinite(kinetic)):
             raise self._failure(f"the motion is not finite at time {self.moment.time:.6g}")
@@ -195,6 +208,8 @@ class DynamicsRun(Run):
             velocity=nodal_velocity,
             inner_velocity=inner_velocity,
             kinetic=kinetic,
+            forces=forces,
+            inner_forces=inner_forces,
         )
         self.results.append(step)
         for recorder in self.recorders:

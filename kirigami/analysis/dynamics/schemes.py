@@ -37,44 +37,56 @@ SCHEMES = {"conserving": 0.5, "damped": 1.0 / (1.0 + RHO)}  # the share a
 
 
 def advance(
-    motion: Motion, start: Moment, step: float, lam: float, lam_rate: float, share: float = 0.5
+    motion: Motion, start: Moment, step: float, factors: Array, rates: Array, share: float = 0.5
 ) -> tuple[Moment, int, float]:
-    """The moment one step on, at a load factor and its rate there; the corrections it took, and the residual."""
+    """The moment one step on, at load factors and their rates there; the corrections it took, and the residual."""
     system, inertia = motion.system, motion.inertia
-    u0, v0 = motion.displacement(start), motion.velocity(start.rate, start.lam, start.lam_rate)
+    u0, v0 = motion.displacement(start), start.velocity
     damping = motion.damping_blocks(start, step * (share - 0.5))
     before = inertia.momentum(v0)
-    at_rest = float(np.linalg.norm(system.reduce(before))) / step
+    at_rest = float(np.linalg.norm(before)) / step
+    nothing = np.zeros(system.free)
+    known = motion.velocity(nothing, factors, rates, motion.at(start.q, factors))
 
-    def rate_at(q: Array) -> Array:
-        return ((q - start.q) / step - (1 - share) * start.rate) / share
+    def velocity_after(change: Array) -> Array:
+        return np.where(motion.free, (change / step - (1 - share) * v0) / share, known)
 
-    def equations(q: Array) -> tuple[Array, float, Callable[[], Array]]:
-        change = system.displacement(q, lam) - u0
-        total = (inertia.momentum(motion.velocity(rate_at(q), lam, lam_rate)) - before) / step
+    def forces(change: Array) -> tuple[Array, float]:
+        """What inertia, damping, members and loads leave (rows, dim), and its scale."""
+        total = (inertia.momentum(velocity_after(change)) - before) / step
         averaged = []
         square = at_rest**2
         for s in PLACES:
-            u, factor = u0 + s * change, start.lam + s * (lam - start.lam)
-            gradient, size = system.forces(u, factor)
-            averaged.append((0.5, system.configuration(u), factor, gradient))
+            u, between = u0 + s * change, start.factors + s * (factors - start.factors)
+            gradient, size = motion.forces(u, between)
+            averaged.append((0.5, system.configuration(u), between, gradient))
             total += 0.5 * gradient
             square += 0.5 * size**2
         if motion.spin.parts:
             total += motion.spin.forces(averaged, system.rest + u0 + 0.5 * change)
         if damping is not None:
             total += system.plan.multiply(damping, change / step)
-        return system.reduce(total), float(np.sqrt(square)), lambda: tangent(change)
+        return total, float(np.sqrt(square))
 
-    def tangent(change: Array) -> Array:
-        blocks = inertia.blocks / (share * step**2)
+    def equations(q: Array) -> tuple[Array, float, Callable[[], Array]]:
+        u = motion.at(q, factors)
+        change = u - u0
+        total, scale = forces(change)
+        return motion.carried(total, u, change), scale, lambda: tangent(u, change, total)
+
+    def tangent(u: Array, change: Array, total: Array) -> Array:
+        blocks = inertia.uncarried / (share * step**2)
         for s in PLACES:
-            blocks += 0.5 * s * system.stiffness_blocks(u0 + s * change, start.lam + s * (lam - start.lam))
+            blocks += 0.5 * s * motion.stiffness_blocks(u0 + s * change, start.factors + s * (factors - start.factors))
         if damping is not None:
             blocks += damping / step
-        return blocks
+        return motion.carried_blocks(blocks, u, change, total)
 
-    q, corrections, residual = motion.corrected(start, start.q + step * start.rate, lam, equations)
-    rate = rate_at(q)
-    rate[motion.massless] = (q - start.q)[motion.massless] / step  # which no mass damps from step to step
-    return Moment(start.time + step, lam, lam_rate, q, rate), corrections, residual
+    guess = start.q + step * system.unknowns(v0)
+    q, corrections, residual = motion.corrected(start, guess, factors, equations)
+    change = motion.at(q, factors) - u0
+    velocity = velocity_after(change)
+    # what has no mass: no inertia damps its rate from step to step
+    velocity.ravel()[motion.massless] = change.ravel()[motion.massless] / step
+    impulse = step * forces(change)[0]
+    return Moment(start.time + step, factors, rates, q, velocity, impulse), corrections, residual

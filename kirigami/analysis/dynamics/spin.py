@@ -38,13 +38,14 @@ class Spin:
             if len(rows) and not anchored[part].any() and (numbers[rows] >= 0).all() and leads[rows].all():
                 self.parts.append(rows)
 
-    def forces(self, gradients: Sequence[tuple[float, Array, float, Array]], middle: Array) -> Array:
+    def forces(self, gradients: Sequence[tuple[float, Array, Array, Array]], middle: Array) -> Array:
         """Forces (rows, dim), as gradients, that leave no torque about the `middle` of the chord (rows, dim) but that
         of the loads; for the weights, rows x, load factors and gradients at the places of the average."""
         total = np.sum([weight * gradient for weight, _, _, gradient in gradients], axis=0)
         correction = np.zeros_like(middle)
         loads = []
-        for weight, x, lam, _ in gradients:
+        for weight, x, factors, _ in gradients:
+            lam = self.system.factored(factors)
             outer = np.zeros_like(middle)
             for kernel in self.outside:
                 gradient = kernel.evaluate(x, lam, 1).gradient

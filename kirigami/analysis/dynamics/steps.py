@@ -8,6 +8,7 @@ import numpy as np
 
 from kirigami.analysis.dynamics.motion import Moment, Motion, StepFailedError
 from kirigami.analysis.dynamics.schemes import advance
+from kirigami.primitives.kernel import Array
 
 SHORTEST = 2.0**-14  # shortest time step, as a share of the longest
 WANTED = 0.35  # turn of a member to which steps are kept [rad]
@@ -27,7 +28,7 @@ class TimeSteps:
     longest : float
         Longest time step.
     load : callable
-        Load factor and its rate at a time.
+        Load factors (1 + k,) and their rates at a time.
     adaptive : bool
         Whether a step that fails is halved.
     on_cut : callable
@@ -39,7 +40,7 @@ class TimeSteps:
         motion: Motion,
         share: float,
         longest: float,
-        load: Callable[[float], tuple[float, float]],
+        load: Callable[[float], tuple[Array, Array]],
         adaptive: bool = True,
         on_cut: Callable[[], None] = lambda: None,
     ) -> None:

@@ -61,11 +61,11 @@ class InertialSteps(StableSteps):
         motion = Motion(
             system, self._inertia, run.factorize, (2 * damping * frequency, 0.0), TOLERANCE, run.count_iteration
         )
-        period, lam = 2 * np.pi / frequency, start.lam
-        steps = TimeSteps(motion, SCHEMES["damped"], period / SWINGS, lambda time: (lam, 0.0))
-        moment = Moment(0.0, lam, 0.0, start.q, np.zeros(system.free))
+        period, lam, still = 2 * np.pi / frequency, np.array([start.lam]), np.zeros(1)
+        steps = TimeSteps(motion, SCHEMES["damped"], period / SWINGS, lambda time: (lam, still))
+        moment = Moment(0.0, lam, still, start.q, np.zeros_like(system.rest))
         first = motion.potential(moment)
-        free = first - sum(system.energies(point.state.u, lam).values())
+        free = first - sum(system.energies(point.state.u, start.lam).values())
         most = PERIODS / (2 * np.pi * damping)
         try:
             for number in range(int(np.ceil(most)) + 1):
@@ -78,7 +78,7 @@ class InertialSteps(StableSteps):
                     break
         except StepFailedError:
             return None
-        state = State(moment.q, lam, system.displacement(moment.q, lam))
+        state = State(moment.q, start.lam, system.displacement(moment.q, start.lam))
         moved = run.descend(state)
         if not moved.converged:
             return None
