@@ -298,6 +298,17 @@ def test_model_with_supports_and_loads() -> None:
     assert bare.get_legend() is None
 
 
+def test_loads_spread_over_a_sheet_are_drawn_in_its_middle() -> None:
+    m = kg.Model.from_mesh(frame_mesh(), thickness=0.1, material=kg.Material(E=1e6, density=1.0))
+    m.add(kg.Gravity((0, -9.81, 0)), kg.AreaLoad((1.0, 0, 0), facets=[0, 1]))
+    arrows = next(c for c in m.plot().collections if type(c).__name__ == "Quiver")
+    mesh = m.mesh
+    middle = np.average(mesh.nodes[mesh.triangles].mean(axis=1), axis=0, weights=mesh.facet_areas)[:2]
+    assert len(arrows.U) == 2 and any(np.allclose(tail, middle) for tail in arrows.XY)
+    m.add(kg.Gravity())  # towards who looks: no arrow, and no error
+    assert m.plot(view=(30, -60)).name == "3d" and m.plot(view="top").name == "rectilinear"
+
+
 def test_held_facets_of_a_sheet_are_shaded() -> None:
     m = kg.Model.from_mesh(frame_mesh(), thickness=0.1, material=kg.Material(E=1e6))
     m.add(kg.Fix([m.nodes[k] for k in (0, 1, 5, 4, 2)]))  # two facets, and a node by itself

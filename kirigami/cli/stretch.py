@@ -120,7 +120,7 @@ def add(commands: Any) -> None:
         help="hold a place: clamped, or along axes such as z or xz (default: the rim where no grips are)",
     )
     pull.add_argument(
-        "--weight", action="store_const", const=9.81, help="let the weight of the sheet act, from the start"
+        "--weight", action="store_const", const=9.81, help="let its weight act, from the start; alone with --strain 0"
     )
     pull.add_argument("--cycle", action="store_true", default=None, help="go there and back again")
     work = parser.add_argument_group("the computation")

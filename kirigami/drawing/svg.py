@@ -5,7 +5,6 @@ from __future__ import annotations
 import io
 import os
 import re
-import warnings
 from collections import Counter
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
@@ -19,9 +18,10 @@ from kirigami.drawing.curves import Curve, Floats, all_at_once, counted, flatten
 from kirigami.drawing.drawing import Drawing, assemble
 from kirigami.drawing.roles import Names, Roles, role_of_name
 from kirigami.drawing.strokes import Stroke, strokes
-from kirigami.drawing.svg_paint import Canvas, clip_name, clip_shape, clipped, is_transparent, line_type
-from kirigami.drawing.svg_tree import CLIP, LINE, ORIGIN, read_tree, resolve_percentages, user_space
-from kirigami.errors import GeometryError, KirigamiWarning
+from kirigami.drawing.svg_paint import Canvas, is_transparent, line_type
+from kirigami.drawing.svg_tree import LINE, ORIGIN, WINDOW, read_tree, resolve_percentages, user_space
+from kirigami.drawing.svg_windows import Windows, clipped, window_names
+from kirigami.errors import GeometryError
 from kirigami.files import library, whole_file
 from kirigami.primitives.checks import require_between, require_choice, require_path
 from kirigami.units import metres_per
@@ -48,9 +48,9 @@ def read_svg(
 ) -> Drawing:
     """Read outline, cuts and folds from an SVG file.
 
-    Paths and all basic shapes are read, with transforms, symbols, clip paths and style sheets; texts and images are
-    not, nor what is neither painted nor visible, unless its layer is named; the report counts them. Dashed lines are
-    folds. The true size is that of ``width``, ``height`` and ``viewBox``; a size in pixels has 96 to the
+    Paths and all basic shapes are read, with transforms, symbols, clip paths, masks and style sheets; texts and images
+    are not, nor what is neither painted nor visible, unless its layer is named; the report counts them. Dashed lines
+    are folds. The true size is that of ``width``, ``height`` and ``viewBox``; a size in pixels has 96 to the
     inch, 72 where Illustrator wrote the file and 90 where an Inkscape before 0.92 did. The y axis is turned upwards.
     Layers are named groups; an object may also carry the role in its own name. How layers and colours become roles is
     said at :func:`kirigami.drawing.dxf.read_dxf`.
@@ -101,10 +101,6 @@ def read_svg(
     to_drawing = user_space(root, header, drawn_in, unit, notes)
     sized = "viewBox" in root.attrib or "height" in root.attrib
     resolve_percentages(root, *to_drawing.view)
-    if masked := sum("url(" in element.get("mask", "") for element in root.iter()):
-        text = f"{counted(masked, 'mask')} not applied: what {'it hides' if masked == 1 else 'they hide'} is read"
-        warnings.warn(text, KirigamiWarning, stacklevel=3)
-        notes.append(text)
     for name in ("width", "height", "viewBox", "preserveAspectRatio"):
         root.attrib.pop(name, None)  # sizes are worked out above: svgelements rounds millimetres to seven digits
     try:
@@ -117,7 +113,7 @@ def read_svg(
     roles = Roles(outline, cuts, folds, ignore)
     hidden: list[str] = []
     found = list(_shapes(document, _Place(), skipped, elements, roles.names, hidden))
-    clips = _clips(document, elements)
+    windows = Windows(document, elements, _points, notes)
     if skipped:
         notes.append("not read: " + ", ".join(f"{number} {kind}" for kind, number in skipped.most_common()))
     boxes = np.array([box for *_, drawn in found if (box := drawn.bbox()) is not None], dtype=float)
@@ -132,7 +128,7 @@ def read_svg(
         source = f"line {shape.values.get(LINE, '?')} <{shape.values.get('tag', 'path')}>"
         if identity := shape.values.get("attributes", {}).get("id"):
             source += f" {identity!r}"
-        window, kind = _window(place, clips, elements, notes), line_type(shape)
+        window, kind = windows.of(place.wearers), line_type(shape)
         for points, bow in _points(drawn, distance, elements, source):
             pieces = [points] if window is None else clipped(points, window)
             cut_off += len(pieces) != 1 or pieces[0] is not points
@@ -145,7 +141,7 @@ def read_svg(
         for points, (_, place, color, source, kind, bent) in zip(places, seen_pieces)
     ]
     if cut_off:
-        notes.append(f"{counted(cut_off, 'curve')} cut off at a clip path")
+        notes.append(f"{counted(cut_off, 'curve')} cut off at a clip path or mask")
     if not curves:
         raise GeometryError(f"{path} holds no curves with a length")
     return assemble(
@@ -156,19 +152,18 @@ def read_svg(
 
 @dataclass(frozen=True)
 class _Place:
-    """Where in the tree a shape is: names of the groups round it, clip paths with their transforms, and its layer."""
+    """Where in the tree a shape is: names of the groups round it, what wears a clip path or mask, and its layer."""
 
     names: tuple[str, ...] = ()
-    clips: tuple[tuple[str, str], ...] = ()
+    wearers: tuple[Any, ...] = ()
     layer: str = ""
     unseen: bool = False
 
     def within(self, item: Any, called: list[str], layer: str = "") -> _Place:
         """The place of what is in a group."""
         own = item.values.get("attributes", {})
-        clip = clip_name(own)
-        clips = (*self.clips, (clip, str(item.values.get("transform") or ""))) if clip else self.clips
-        return _Place((*self.names, *called), clips, layer, self.unseen or is_transparent(own))
+        wearers = (*self.wearers, item) if window_names(own) else self.wearers
+        return _Place((*self.names, *called), wearers, layer, self.unseen or is_transparent(own))
 
 
 def _shapes(
@@ -190,7 +185,7 @@ def _shapes(
         own = values.get("attributes", {})
         called = [name for name in (own.get(LABEL), own.get("data-name"), own.get("id")) if name]
         kind = type(item).__name__
-        if CLIP in own:
+        if WINDOW in own:
             continue
         if isinstance(item, list) and not isinstance(item, elements.Shape):
             yield from _shapes(item, place.within(item, called[:2]), skipped, elements, asked, hidden, canvas)
@@ -208,45 +203,6 @@ def _shapes(
                     hidden.append(here.layer)
         elif kind in ("Text", "Image"):
             skipped[kind.lower()] += 1
-
-
-def _clips(document: Any, elements: Any) -> dict[str, list[Floats]]:
-    """Rings of every clip path, in its own user space."""
-    found: dict[str, list[Floats]] = {}
-
-    def collect(group: Any, rings: list[Floats]) -> None:
-        for item in group:
-            if isinstance(item, elements.Shape):
-                box = elements.Path(item).reify()
-                extent = box.bbox()
-                size = max(extent[2] - extent[0], extent[3] - extent[1]) if extent is not None else 1.0
-                rings += [points for points, _ in _points(box, 1e-4 * size, elements, "a clip path")]
-            elif isinstance(item, list):
-                collect(item, rings)
-
-    for item in document:
-        own = item.values.get("attributes", {})
-        if CLIP in own and own.get("clipPathUnits") != "objectBoundingBox":
-            collect(item, found.setdefault(own[CLIP], []))
-    return found
-
-
-def _window(place: _Place, clips: dict[str, list[Floats]], elements: Any, notes: list[str]) -> Any:
-    """The area in which a shape is seen, or None where nothing clips it."""
-    window = None
-    for name, transform in place.clips:
-        rings = clips.get(name)
-        if not rings:
-            text = f"the clip path {name!r} is not understood and not applied"
-            if text not in notes:
-                warnings.warn(text, KirigamiWarning, stacklevel=4)
-                notes.append(text)
-            continue
-        matrix = elements.Matrix(transform)
-        linear = np.array([[matrix.a, matrix.b], [matrix.c, matrix.d]])
-        area = clip_shape([ring @ linear + (matrix.e, matrix.f) for ring in rings])
-        window = area if window is None else window.intersection(area)
-    return window
 
 
 def _layer(groups: list[str], own: list[str], asked: set[str]) -> str:

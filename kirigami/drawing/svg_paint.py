@@ -1,16 +1,13 @@
-"""Which shapes of an SVG drawing can be seen: paint, opacity, visibility, white on nothing, and clip paths."""
+"""Which shapes of an SVG drawing can be seen: paint, opacity, visibility, white on nothing."""
 
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
-import numpy as np
 import shapely
 
-from kirigami.drawing.curves import Floats
 from kirigami.drawing.roles import color_name
 
 WHITE = "#ffffff"
@@ -68,25 +65,3 @@ def line_type(shape: Any) -> str:
     """ "dashed", or "" for a line without gaps."""
     dashes = [_number(word, 0.0) for word in re.split(r"[\s,]+", str(shape.values.get("stroke-dasharray") or ""))]
     return "dashed" if any(value > 0 for value in dashes) else ""
-
-
-def clip_name(own: dict[str, Any]) -> str:
-    """The clip path that an element asks for, or ""."""
-    match = re.match(r"""\s*url\(\s*["']?#([^"')]+)["']?\s*\)""", str(own.get("clip-path") or ""))
-    return match[1] if match else ""
-
-
-def clipped(points: Floats, clip: Any) -> list[Floats]:
-    """The parts of a curve that lie within a clip path."""
-    line = shapely.LineString(points)
-    if clip.covers(line):
-        return [points]
-    common = line.intersection(clip)
-    lines = [part for part in shapely.get_parts(common) if isinstance(part, shapely.LineString) and part.length > 0]
-    merged = shapely.get_parts(shapely.line_merge(shapely.MultiLineString(lines))) if lines else []
-    return [np.asarray(shapely.get_coordinates(part)) for part in merged]
-
-
-def clip_shape(rings: Sequence[Floats]) -> Any:
-    """The area within the rings of a clip path."""
-    return shapely.union_all([shapely.make_valid(shapely.Polygon(ring)) for ring in rings if len(ring) > 3])

@@ -22,7 +22,7 @@ VERSION = "{http://www.inkscape.org/namespaces/inkscape}version"
 LINE = "data-kirigami-line"
 ORIGIN = "data-kirigami-origin"  # "sheet": x and -y are coordinates of the sheet, whatever part of it the page shows
 MOST_SYMBOLS = 10_000
-CLIP = "data-kirigami-clip"  # marks the contents of a clip path, put where they are parsed but not drawn
+WINDOW = "data-kirigami-window"  # marks the contents of a clip path or mask, put where they are parsed but not drawn
 
 
 def read_tree(path: Path) -> tuple[Any, str]:
@@ -109,23 +109,24 @@ def _used_by(element: Any) -> str:
 def _put_symbols_away(root: Any) -> None:
     """Symbols, masks, markers and patterns are drawn only where they are used: move them into definitions.
 
-    svgelements leaves definitions alone. The contents of clip paths become groups of the root, marked and not drawn.
+    svgelements leaves definitions alone. The contents of clip paths and masks become groups of the root, marked and not
+    drawn.
     """
-    clips = []
+    windows = []
     for parent in list(root.iter()):
         for position, child in enumerate(list(parent)):
             kind = _kind(child)
             if kind in ("symbol", "mask", "marker", "pattern", "clipPath"):
                 definitions = ElementTree.Element(child.tag.replace(kind, "defs"))
                 parent[position] = definitions
-                if kind == "clipPath":
-                    clips.append(child)
+                if kind in ("clipPath", "mask"):
+                    windows.append((kind, child))
                 else:
                     definitions.append(child)
-    for clip in clips:
-        clip.tag = clip.tag.replace("clipPath", "g")
-        clip.set(CLIP, clip.attrib.pop("id", ""))
-        root.append(clip)
+    for kind, window in windows:
+        window.tag = window.tag.replace(kind, "g")
+        window.set(WINDOW, kind)
+        root.append(window)
 
 
 def resolve_percentages(element: Any, width: float, height: float) -> None:

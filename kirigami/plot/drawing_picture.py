@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -11,6 +12,8 @@ from kirigami.plot.undeformed import draw_polygon, flat_axes
 
 if TYPE_CHECKING:
     from kirigami.drawing.drawing import Drawing
+
+MANY = 2000  # lines that would cover the sheet if they were drawn as wide as a few are
 
 
 @style.styled
@@ -51,17 +54,25 @@ def plot_drawing(drawing: Drawing, ax: Any = None) -> Any:
         draw_polygon(ax, part, style.PAPER)
     ax.plot([], [], color=style.INK, label="outline")
     kinds: list[tuple[str, list[Any], dict[str, Any]]] = [
-        ("slit", [cut for cut in drawing.cuts if cut not in openings], {"color": style.VERMILION}),
+        ("slit", [cut for cut in drawing.cuts if not isinstance(cut, shapely.Polygon)], {"color": style.VERMILION}),
         ("opening", [opening.exterior for opening in openings], {"color": style.GREEN}),
         ("fold", list(drawing.folds), {"color": style.BLUE, "linestyle": "--"}),
         ("left out", list(drawing.left_out), {"color": style.GREY, "linestyle": ":"}),
     ]
     for name, lines, look in kinds:
-        for number, line in enumerate(lines):
-            label = f"{name} ({len(lines)})" if number == 0 else None
-            ax.plot(*shapely.get_coordinates(line).T, linewidth=1.2, label=label, **look)
+        if lines:
+            width = 1.2 if len(lines) < MANY else 0.4
+            ax.plot(*_in_one(lines).T, linewidth=width, label=f"{name} ({len(lines)})", **look)
     style.frame_flat(ax, bounds[0], bounds[1])
     ax.set_xlabel(f"x [{drawing.unit}]" if drawing.unit else "x")
     ax.set_ylabel(f"y [{drawing.unit}]" if drawing.unit else "y")
     ax.legend(loc="upper center", bbox_to_anchor=(0.5, -0.12), ncols=4)
     return ax
+
+
+def _in_one(lines: Sequence[Any]) -> Any:
+    """The points of many lines as those of one that is interrupted: an artist for each would take half a minute."""
+    import shapely
+
+    points, owner = shapely.get_coordinates(lines, return_index=True)
+    return np.insert(points, np.flatnonzero(np.diff(owner)) + 1, np.nan, axis=0)

@@ -265,13 +265,20 @@ class _Sketch:
         self._arrows(arrows, style.VERMILION, None)
 
     def loads(self, model: Model) -> None:
-        """Nodal forces."""
-        forces = []
+        """Forces at nodes; of what is spread over the sheet, one arrow in its middle."""
+        forces, spread = [], []
         for item in model.loads:
-            if hasattr(item, "force"):
+            if hasattr(item, "force") and item.nodes:
                 at = self.points[model.index(item.nodes)]
                 forces.append((at, np.tile(item.force, (len(at), 1))))
+            elif hasattr(item, "force") and model.mesh is not None:
+                mesh, facets = model.mesh, item.facets
+                chosen = mesh.regions[facets] if isinstance(facets, str) else slice(None) if facets is None else facets
+                middles = self.points[mesh.triangles[chosen]].mean(axis=1)
+                middle = np.average(middles, axis=0, weights=mesh.facet_areas[chosen])
+                spread.append((middle[None], np.array([item.force])))
         self._arrows(forces, style.BLUE, "load")
+        self._arrows(spread, style.BLUE, "load over the sheet")
 
     def _facets(self, corners: Floats, color: Any, label: str | None = None, alpha: float = 1.0) -> None:
         rims = color if alpha == 1.0 else "none"  # closes the seams between facets; would show where one sees through

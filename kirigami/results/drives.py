@@ -1,4 +1,4 @@
-"""What a load case moves, by name, and the force or torque that it takes: kept with results."""
+"""What a load case does, by name, and what it takes: kept with results."""
 
 from __future__ import annotations
 
@@ -16,14 +16,16 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False)
 class Drive:
-    """One thing that a load case moves, and the force or torque that this takes.
+    """One thing that a load case does to a sheet, and the force or torque that this takes.
+
+    Its own weight alone moves nothing: it is taken as what is done, and the sag is the answer to it.
 
     Attributes
     ----------
     motion : str
-        "strain", "shear", "twist" or "lift".
+        "strain", "shear", "twist", "lift" or "weight".
     name : str
-        What moves, in words: "moved grip", "lifted centre".
+        What moves, in words: "moved grip", "lifted centre", "sheet".
     group : str
         Its nodes, in ``results.grips``.
     kind : str
@@ -46,13 +48,29 @@ class Drive:
         """Whether it takes a torque."""
         return self.kind == "angle"
 
+    @property
+    def answer(self) -> str:
+        """What it takes: "force", "torque", or for a weight "sag"."""
+        return "sag" if self.motion == "weight" else "torque" if self.turns else "force"
+
+    @property
+    def unit(self) -> str:
+        """Of that, in SI units."""
+        return {"sag": "m", "torque": "N m", "force": "N"}[self.answer]
+
     def travel(self, results: Results) -> Array:
         """The motion at each step (s,)."""
         travelled: Array = self.whole * results.lam
         return travelled
 
     def force(self, results: Results) -> Array:
-        """Force [force], or torque [force length], that the support puts on what moves, at each step (s,)."""
+        """Force [force], or torque [force length], that the support puts on what moves, at each step (s,).
+
+        Of a weight the sag [length]: how far the point that falls most has fallen.
+        """
+        if self.answer == "sag":
+            fallen: Array = np.maximum(-results.u[:, :, 2].min(axis=1), 0.0)
+            return fallen
         nodes = results.grips[self.group]
         if not self.turns:
             along: Array = results.reaction(nodes, self.direction)
@@ -74,7 +92,7 @@ class Drive:
         """What it takes as the name of a column: "force", "force_shear", "torque", "force_centre"."""
         if self.motion == "lift":
             return f"force_{self.place}"
-        return {"strain": "force", "shear": "force_shear", "twist": "torque"}[self.motion]
+        return {"strain": "force", "shear": "force_shear", "twist": "torque", "weight": "sag"}[self.motion]
 
     @property
     def place(self) -> str:
@@ -92,12 +110,13 @@ class Drive:
         """What it takes in words: "force of the grip", "torque of the grip", "force at centre"."""
         if self.motion == "lift":
             return f"force at {self.name.removeprefix('lifted ')}"
-        return {"shear": "force across the pull", "twist": "torque of the grip"}.get(self.motion, "force of the grip")
+        named = {"shear": "force across the pull", "twist": "torque of the grip", "weight": "sag"}
+        return named.get(self.motion, "force of the grip")
 
     def titles(self, si: bool = False) -> tuple[str, str]:
         """Motion and response as titles of axes, with their units as far as these are known."""
         unit = {"ratio": "", "angle": " [degrees]", "length": " [m]" * si}[self.kind]
-        return f"{self.title}{unit}", f"{self.takes}{(' [N m]' if self.turns else ' [N]') * si}"
+        return f"{self.title}{unit}", f"{self.takes}{f' [{self.unit}]' * si}"
 
     def says(self, share: float, si: bool = False) -> str:
         """The motion at a load factor, in words."""

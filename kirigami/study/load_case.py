@@ -35,7 +35,7 @@ class LoadCase:
     ----------
     strain : float, optional
         Displacement of the moved grip over the free length; negative to push. None takes 20 %, or nothing where another
-        motion is given.
+        motion is given; 0 lets the weight act alone.
     direction : "x", "y" or float
         From the held grip to the moved one: an axis, or an angle in degrees from x, counter-clockwise.
     grip : float, optional
@@ -53,8 +53,8 @@ class LoadCase:
         Places that are held, and how: "clamp" (the default), which keeps their direction too where they hold edges or
         facets, or axes out of "xyz".
     weight : float
-        Acceleration by which the sheet's own weight acts, from the start and downwards [length / time^2]: 9.81 in SI
-        units, for a material with a density; 0 for none.
+        Acceleration by which the sheet's own weight acts, downwards [length / time^2]: 9.81 in SI units, for a material
+        with a density; 0 for none. From the start; where nothing is moved it grows with the load factor.
     cycle : bool
         Go there and back again.
 
@@ -110,9 +110,7 @@ class LoadCase:
         if strain is None:
             strain = 0.0 if moved else STRAIN
         strain = require_finite(strain, "strain", "LoadCase")
-        if strain == 0 and not moved and weight:
-            raise ModelError("LoadCase: the weight alone moves no grip and no place: lift, pull or twist as well")
-        if strain == 0 and not moved:
+        if strain == 0 and not moved and not weight:
             raise ModelError("stretch: strain must be a number other than zero: negative to push, positive to pull")
         if strain <= -1:
             raise ModelError(f"stretch: a strain of {100 * strain:.6g} % would push one grip through the other")
@@ -129,6 +127,11 @@ class LoadCase:
     def gripped(self) -> bool:
         """Whether the ends of the sheet are held in grips."""
         return bool(self.strain or self.shear or self.twist)
+
+    @property
+    def moves(self) -> bool:
+        """Whether a grip or a place is moved; else the weight alone acts."""
+        return bool(self.gripped or self.lift)
 
     @property
     def places(self) -> list[Place]:
@@ -155,7 +158,8 @@ class LoadCase:
             if name in ("lift", "hold"):
                 key = {"lift": "by", "hold": "how"}[name]
                 value = [{"at": where.plain, key: how} for where, how in value]
-            if value not in (None, 0, [], False) or (name == "grip" and value is not None):
+            said = (name == "grip" and value is not None) or (name == "strain" and not self.moves)
+            if said or value not in (None, 0, [], False):
                 kept[name] = value
         return kept
 

@@ -85,12 +85,12 @@ class Report:
 
     @cached_property
     def motion(self) -> Array:
-        """Strain, shear, twist [degrees] or lift [m] at each step (s,)."""
+        """Strain, shear, twist [degrees], lift [m] or share of the weight at each step (s,)."""
         return self.drive.travel(self.results)
 
     @cached_property
     def force(self) -> Array:
-        """What that takes at each step (s,) [N, or N m for a twist]; negative where it pushes."""
+        """What that takes at each step (s,) [N, N m for a twist]; negative where it pushes. Of a weight the sag [m]."""
         return self.drive.force(self.results)
 
     @cached_property
@@ -104,7 +104,7 @@ class Report:
         results, force, motion, mesh = self.results, self.force, self.motion, self.results.mesh
         assert mesh is not None
         peak, moved = int(np.abs(force).argmax()), self.drive.motion
-        response = "torque" if self.drive.turns else "force"
+        response = self.drive.answer
         found: dict[str, Any] = {
             "nodes": len(mesh.nodes),
             "facets": len(mesh.triangles),
@@ -150,7 +150,7 @@ class Report:
     def text(self) -> str:
         """The numbers as lines."""
         n, drive, lam = self.numbers, self.drive, self.results.lam
-        takes, unit = ("torque", "N m") if drive.turns else ("force", "N")
+        takes, unit = drive.answer, drive.unit
         reached = drive.says(lam[-1], si=True)
         peak = drive.says(lam[int(np.abs(self.force).argmax())], si=True)
         way = f"{drive.motion} {reached}" if drive.motion != "lift" else f"{drive.name} by {reached}"
@@ -190,7 +190,7 @@ class Report:
 
     def _further(self, drive: Drive) -> str:
         """A second motion in words."""
-        title, unit = drive.takes, "N m" if drive.turns else "N"
+        title, unit = drive.takes, drive.unit
         moved = drive.motion if drive.motion != "lift" else drive.name
         says = drive.says(self.results.lam[-1], si=True)
         return f"{moved} {says}: {title} {drive.force(self.results)[-1]:.4g} {unit}"
@@ -316,7 +316,7 @@ def run_job(job: Job, progress: bool, say: Callable[[str], None]) -> Report:
     if sheet.folds:
         note(_folds_in_words(sheet, thick, modulus, job.nu))
     note(f"thickness {units.show(thick, 'length')}, E {units.show(modulus, 'stress')}, nu {job.nu:g}")
-    if case.weight:
+    if case.weight and case.moves:
         note(f"under its own weight from the start, g = {case.weight:g} m/s2")
     back = " and back" if case.cycle else ""
     for drive in setting.drives:
@@ -324,6 +324,8 @@ def run_job(job: Job, progress: bool, say: Callable[[str], None]) -> Report:
         if grips is not None and drive.kind == "ratio":
             by = units.show(drive.whole * grips.free_length, "length")
             note(f"{drive.motion} {whole} to reach (load factor 1), {by} of grip displacement{back}")
+        elif drive.motion == "weight":
+            note(f"its own weight, g = {case.weight:g} m/s2, to bear (load factor 1){back}")
         elif drive.motion == "lift":
             note(f"{drive.name} by {whole} (load factor 1){back}")
         else:

@@ -84,7 +84,7 @@ def _force(report: Report, across: Array) -> Any:
     from kirigami import plot
 
     results, drives = report.results, report.results.drives
-    title = f"{report.drive.takes} [{'N m' if report.drive.turns else 'N'}]"
+    title = f"{report.drive.takes} [{report.drive.unit}]"
     alike = [other for other in drives[1:] if other.turns == report.drive.turns]
     several = len(alike) > 0 or report.measured is not None
     ax = plot.plot_measure(results, report.force, title, x=across, label="computed" if several and not alike else None)
@@ -92,7 +92,7 @@ def _force(report: Report, across: Array) -> Any:
         ax.lines[-1].set_label(report.drive.takes)
         for other in alike:
             plot.plot_measure(results, other.force(results), x=across, ax=ax, label=other.takes)
-        ax.set_ylabel("torque [N m]" if report.drive.turns else "force [N]")
+        ax.set_ylabel(f"{report.drive.answer} [{report.drive.unit}]")
         ax.legend()
     with suppress(AnalysisError):  # no estimate of what is no sheet
         error = results.error["force"]

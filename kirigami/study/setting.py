@@ -75,7 +75,7 @@ class Setting:
             chosen[name] = nodes
             taken |= dict.fromkeys(map(id, nodes), name)
         if case.weight:
-            model.add(Gravity((0, 0, -case.weight), constant=True))
+            model.add(Gravity((0, 0, -case.weight), constant=case.moves))
         lifted = {id(node) for name, nodes in chosen.items() if name.startswith("lifted") for node in nodes}
         for where, how in self._held():
             name = f"held {where.text}"
@@ -139,6 +139,8 @@ def set_up(case: LoadCase, sheet: Sheet) -> Setting:
         name = f"lifted {where.text}"
         drives.append(Drive("lift", name, name, "length", by, np.array([0.0, 0.0, 1.0])))
         lines |= _line(name, where, sheet)
+    if not case.moves:
+        drives.append(Drive("weight", "sheet", "sheet", "ratio", 1.0, np.array([0.0, 0.0, -1.0])))
     setting = Setting(case, sheet, grips, lines, tuple(drives), tuple(told))
     for where, how in setting._held():
         lines |= _line(f"held {where.text}", where, sheet)

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from kirigami.analysis.path.methods import DisplacementControl
+from kirigami.analysis.path.methods import DisplacementControl, LoadControl
 from kirigami.elements.stiffness import Calibration
 from kirigami.errors import ConvergenceError, KirigamiError, KirigamiWarning, ModelError
 from kirigami.geometry.mesh import TriMesh
@@ -183,7 +183,8 @@ def stretch(
         return results
 
     end = 0.0 if case.cycle else 1.0
-    analysis = DisplacementControl(model, targets=stored(case), to=end, tol=level.tol, start=start)
+    control = DisplacementControl if case.moves else LoadControl
+    analysis = control(model, targets=stored(case), to=end, tol=level.tol, start=start)
     try:
         results = named(analysis.run(progress=progress))
     except ConvergenceError as error:

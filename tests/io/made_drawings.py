@@ -121,6 +121,17 @@ def svg_drawings() -> list[Made]:
         Made("clip_in_turned_group.svg", svg(
             RIM + '<clipPath id="c"><circle r="10"/></clipPath><g transform="translate(60,40) rotate(30)">'
             f'<g style="clip-path:url(#c)">{path([(-40, 0), (40, 0)])}</g></g>'), slits=1),
+        Made("clip_with_a_hole.svg", svg(
+            RIM + '<clipPath id="c"><path clip-rule="evenodd" d="M0 0H120V80H0ZM40 20H80V60H40Z"/></clipPath>'
+            f'<g clip-path="url(#c)">{path([(10, 40), (110, 40)])}</g>', wide), slits=2, told="clip path"),
+        Made("clip_by_the_box.svg", svg(
+            RIM + '<clipPath id="c" clipPathUnits="objectBoundingBox"><rect width=".25" height="1"/><rect x=".5" width=".5" '
+            f'height="1"/></clipPath><g clip-path="url(#c)">{path([(10, 20), (90, 20)])}{path([(10, 60), (90, 60)])}</g>', wide),
+             slits=4, told="clip path"),
+        Made("masked_by_a_shade.svg", svg(
+            RIM + '<mask id="m"><rect width="120" height="80" fill="#fff"/><g transform="translate(60 40)"><circle r="10"/></g>'
+            f'</mask><g style="mask:url(#m)">{path([(10, 40), (110, 40)])}</g>{path([(10, 60), (30, 60)])}', wide),
+             slits=3, told="cut off at a clip path or mask"),
         Made("spokes_from_the_rim.svg", svg(disc + "".join(spokes)), disc_area, slits=4),
         Made("spokes_to_the_hub.svg", svg(disc + ring + "".join(
             path([round_rim(10, a), round_rim(30, a)]) for a in (5, 95, 185, 275))), disc_area - math.pi * 100,

@@ -332,3 +332,17 @@ def test_no_partial_file_when_writing_fails(tmp_path: Path) -> None:
     with pytest.raises(kg.GeometryError, match="drawn_in must be one of .*, got 'furlong'"):
         write(sheet_to_write(), tmp_path / "sheet.svg", drawn_in="furlong")
     assert not list(tmp_path.iterdir())
+
+
+def test_a_drawing_is_drawn_with_one_artist_a_role(tmp_path: Path) -> None:
+    """An artist for each line would take a minute for a drawing of 100,000 lines."""
+    from kirigami.plot.drawing_picture import plot_drawing
+
+    slits = [shapely.LineString([(0.1, y), (0.9, y)]) for y in np.linspace(0.1, 0.9, 7)]
+    hole = shapely.box(0.45, 0.91, 0.55, 0.95)
+    ax = plot_drawing(Drawing(shapely.box(0, 0, 1, 1), (*slits, hole), unit="mm"))
+    named = {line.get_label(): line for line in ax.lines if not line.get_label().startswith("_")}
+    assert set(named) == {"outline", "slit (7)", "opening (1)"} and len(ax.lines) == 3
+    points = named["slit (7)"].get_xydata()
+    gaps = np.isnan(points[:, 0])
+    assert gaps.sum() == 6 and points[~gaps] == pytest.approx(shapely.get_coordinates(slits))

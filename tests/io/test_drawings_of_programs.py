@@ -123,11 +123,11 @@ def test_values_that_a_library_repairs_are_told(tmp_path: Path) -> None:
 
 
 def test_what_is_not_applied_is_told(tmp_path: Path) -> None:
-    """Masks hide parts of a drawing, and degrees are no lengths."""
+    """A mask whose shades are not known shows everything, and degrees are no lengths."""
     pytest.importorskip("svgelements")
-    masked = HEAD + f'<mask id="m"><rect width="9" height="9" fill="#fff"/></mask><g mask="url(#m)">{paths(1, THIN, RED)}</g></svg>'
+    masked = HEAD + f'<mask id="m"><rect width="9" height="9" fill="url(#g)"/></mask><g mask="url(#m)">{paths(1, THIN, RED)}</g></svg>'
     (tmp_path / "masked.svg").write_text(masked)
-    with pytest.warns(kg.KirigamiWarning, match="1 mask not applied: what it hides is read"):
+    with pytest.warns(kg.KirigamiWarning, match="mask 'm' holds nothing that is understood and is not applied"):
         read_drawing(tmp_path / "masked.svg")
     text = next(made.text for made in MADE if made.name == "qgis_projected.geojson")
     (tmp_path / "degrees.geojson").write_text(text.replace("EPSG::25832", "OGC:1.3:CRS84"))
