@@ -14,6 +14,7 @@ SAME = Change()
 THICKNESS, E, NU, DENSITY = 0.05, 1e6, 0.3, 1.2
 LINE = 0.3  # mass per length of the bars of hand-built structures
 BOTTOM, TOP, SIDE = [0, 1, 2, 3], [12, 13, 14, 15], [4, 8]  # of the sheet below
+FOLD = [(4, 5), (6, 7)]  # on both sides of the opening
 RUNGS = kg.stiffness.RUNGS
 
 
@@ -31,7 +32,8 @@ def drawn() -> tuple[np.ndarray, np.ndarray]:
     return points, np.array(facets)
 
 
-def sheet(rung: str, dim: int, change: Change, drive: float = 1.0) -> kg.Model:
+def sheet(rung: str, dim: int, change: Change, drive: float = 1.0, fold: float | None = None) -> kg.Model:
+    """The square on a rung; with a fold across it of this stiffness per length."""
     points, facets = drawn()
     order = change.order(len(points))
     new = np.argsort(order)  # where each old node stands now
@@ -40,7 +42,8 @@ def sheet(rung: str, dim: int, change: Change, drive: float = 1.0) -> kg.Model:
         facets = facets[:, [0, 2, 1]]
     density = DENSITY * change.force / change.length**4  # of a mass that is a force over length per time squared
     material = kg.Material(E=E * change.force / change.length**2, nu=NU, density=density)
-    mesh = kg.TriMesh(change.places(points)[order][:, : 2 if change.flat else 3], facets)
+    creased = [] if fold is None else [kg.FoldEdges(new[FOLD], stiffness=fold * change.force)]
+    mesh = kg.TriMesh(change.places(points)[order][:, : 2 if change.flat else 3], facets, folds=creased)
     m = kg.Model.from_mesh(mesh, THICKNESS * change.length, material, rung, dim=dim)
     at = [m.nodes[k] for k in new]
     hold = "xyz"[:dim]
@@ -164,9 +167,13 @@ PLANE: dict[str, Callable[[Change, float], kg.Model]] = {
     for rung in RUNGS
     if serves_plane(rung)
 }
+FOLDED: dict[str, Callable[[Change, float], kg.Model]] = {
+    f"folded {rung}": lambda change, drive=1.0, rung=rung: sheet(rung, 3, change, drive, fold=0.5)
+    for rung in ("facet", "shell")
+}
 BUILT = {"truss": TRUSS, "tower": TOWER, "hinged strip": STRIP, "chain of springs": CHAIN}
 BUILT |= {"stayed mast": STAYED_MAST, "stayed tower": STAYED_TOWER, "linked tower": LINKED_TOWER}
-STRUCTURES = SHEETS | PLANE | BUILT
+STRUCTURES = SHEETS | PLANE | FOLDED | BUILT
 PLANAR = {*PLANE, "truss", "chain of springs", "stayed mast"}
 
 
