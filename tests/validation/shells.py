@@ -7,6 +7,8 @@ accuracy, Finite Elements in Analysis and Design 1 (1985) 3-20.
 
 from __future__ import annotations
 
+import warnings
+
 import numpy as np
 
 import kirigami as kg
@@ -28,6 +30,21 @@ def grid(columns, rows, place, pattern="alternating", closed=False):
             else:
                 triangles += [(a, b, d), (b, c, d)]
     return points[: at[columns - closed].max() + 1], np.array(triangles), at
+
+
+def surface(rung, points, triangles, thickness, material, normals=None):
+    """A model of one rung on given facets, and its nodes; shell facets take normals given by point."""
+    if rung != "shell":
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", kg.KirigamiWarning)  # of biased meshes: the figures say it
+            model = kg.Model.from_mesh(kg.TriMesh(points, triangles), thickness, material, stiffness=rung)
+        return model, list(model.nodes)
+    return shell(points, triangles, thickness, material, normals)
+
+
+def pattern_of(rung):
+    """Diagonals of squares: alternating ones for the shell, parallel ones, which suit hinges best, for the others."""
+    return "alternating" if rung == "shell" else "single"
 
 
 def shell(points, triangles, thickness, material, normals=None):
@@ -71,20 +88,20 @@ def around_x(points):
     return radial / np.linalg.norm(radial, axis=1)[:, None]
 
 
-def hemisphere(n, exact=True):
+def hemisphere(n, exact=True, rung="shell"):
     """Sze 3.4, an octant pair: half of the hemisphere's quarter with an 18 degree hole, pinched; probes B, -A."""
     radius, top = 10.0, np.radians(72)
     points, triangles, _ = grid(n, n, lambda u, v: (
         radius * np.cos(np.pi / 2 * u) * np.cos(v * top), radius * np.sin(np.pi / 2 * u) * np.cos(v * top),
-        radius * np.sin(v * top)))  # fmt: skip
-    model, nodes = shell(points, triangles, 0.04, kg.Material(6.825e7, 0.3),
-                         points / radius if exact else None)  # fmt: skip
+        radius * np.sin(v * top)), pattern_of(rung))  # fmt: skip
+    model, nodes = surface(rung, points, triangles, 0.04, kg.Material(6.825e7, 0.3),
+                           points / radius if exact else None)  # fmt: skip
     hold(model, nodes, {"x": at_zero(points[:, 0]), "y": at_zero(points[:, 1])}, {"z": [near(points, (0, radius, 0))]})
     return model, nodes, points, radius
 
 
-def cylinder(columns, rows, radius, length, thickness, material):
+def cylinder(columns, rows, radius, length, thickness, material, rung="shell"):
     """An octant of a cylinder about the x axis: half its length, a quarter of its circle."""
     points, triangles, _ = grid(columns, rows, lambda u, v: (
-        0.5 * length * v, radius * np.cos(np.pi / 2 * u), radius * np.sin(np.pi / 2 * u)))  # fmt: skip
-    return (*shell(points, triangles, thickness, material, around_x(points)), points)
+        0.5 * length * v, radius * np.cos(np.pi / 2 * u), radius * np.sin(np.pi / 2 * u)), pattern_of(rung))  # fmt: skip
+    return (*surface(rung, points, triangles, thickness, material, around_x(points)), points)

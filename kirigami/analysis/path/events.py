@@ -122,24 +122,27 @@ def tell_events(
 def worth_bracketing(run: PathRun, before: Point, after: Point) -> bool:
     """Whether a descent from `before` to `after` set so much energy free that its increment is to be shorter.
 
-    Where grips drive, smaller snaps are told where they are met, but not sought: a locked sheet has dozens, and each
-    bracket takes several descents.
+    Where grips drive, what the estimate of the work leaves open is no reason for it, and smaller snaps are told where
+    they are met, but not sought: a locked sheet has dozens, and each bracket takes several descents.
     """
-    driven = bool(run.system.drive.any())
-    return _energy_set_free(run, before, after, not driven)[1] > (SNAP if driven else SNAP_AT_LIMIT_LOAD)
+    if not run.system.drive.any():
+        return _energy_set_free(run, before, after, True)[1] > SNAP_AT_LIMIT_LOAD
+    return _energy_set_free(run, before, after, True, doubt=1.0)[1] > SNAP
 
 
 def _least_share(run: PathRun) -> float:
     return SNAP_AFTER_DESCENT if run.system.drive.any() else SNAP_AT_LIMIT_LOAD
 
 
-def _energy_set_free(run: PathRun, before: Point, after: Point, landed: bool) -> tuple[float, float]:
+def _energy_set_free(
+    run: PathRun, before: Point, after: Point, landed: bool, doubt: float = DOUBT
+) -> tuple[float, float]:
     """Energy lost between two points beyond what a smooth stable path explains, and its share of the stored energy.
 
     There the potential changes by the work of the drive. Its rate F is known at both ends, and so is the rate of that,
     which gives the work over a distance h to fourth order: h (F0 + F1) / 2 + h^2 (F0' - F1') / 12. How good this is the
     last term tells, as long as the path is smooth. Where it was not left (not `landed`), a force that grows all the way
-    is not excluded, which explains up to h |F1 - F0| / 2.
+    is not excluded, which explains up to h |F1 - F0| / 2. `doubt` is the share of the last term that may be error.
     """
     system, distance = run.system, after.state.lam - before.state.lam
     for point in (before, after):
@@ -154,7 +157,7 @@ def _energy_set_free(run: PathRun, before: Point, after: Point, landed: bool) ->
     energy, rate, curvature = zip(before.potential, after.potential)
     bend = distance**2 * (curvature[0] - curvature[1]) / 12
     released = energy[0] + 0.5 * (rate[0] + rate[1]) * distance + bend - energy[1]
-    explained = DOUBT * abs(bend) if landed else abs(bend) + 0.5 * abs((rate[1] - rate[0]) * distance)
+    explained = doubt * abs(bend) if landed else abs(bend) + 0.5 * abs((rate[1] - rate[0]) * distance)
     rounding = 1e3 * system.noise * system.length
     stored = max(abs(energy[0]), abs(energy[1]), rounding, 1e-300)
     return released, released / stored if released > explained else 0.0
