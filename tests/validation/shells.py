@@ -103,5 +103,6 @@ def hemisphere(n, exact=True, rung="shell"):
 def cylinder(columns, rows, radius, length, thickness, material, rung="shell"):
     """An octant of a cylinder about the x axis: half its length, a quarter of its circle."""
     points, triangles, _ = grid(columns, rows, lambda u, v: (
-        0.5 * length * v, radius * np.cos(np.pi / 2 * u), radius * np.sin(np.pi / 2 * u)), pattern_of(rung))  # fmt: skip
+        0.5 * length * v, radius * np.cos(np.pi / 2 * u), radius * np.sin(np.pi / 2 * u)), pattern_of(rung)
+    )  # fmt: skip
     return (*surface(rung, points, triangles, thickness, material, around_x(points)), points)

@@ -1,6 +1,6 @@
-"""The linear obstacle course: MacNeal and Harder, A proposed standard set of problems to test finite element accuracy,
-Finite Elements in Analysis and Design 1 (1985) 3-20; Belytschko et al., Stress projection for membrane and shear locking
-in shell finite elements, Computer Methods in Applied Mechanics and Engineering 51 (1985) 221-258.
+"""The linear obstacle course: MacNeal and Harder, A proposed standard set of problems to test finite element
+accuracy, Finite Elements in Analysis and Design 1 (1985) 3-20; Belytschko et al., Stress projection for membrane and
+shear locking in shell finite elements, Computer Methods in Applied Mechanics and Engineering 51 (1985) 221-258.
 """
 
 import numpy as np
@@ -14,7 +14,7 @@ HINGES = "hinges resist twisting up to twice as much as the sheet does"
 
 
 def roof(rung):
-    """Scordelis and Lo: R 25, L 50, 80 degrees, h 0.25, E 4.32e8, nu 0, gravity 90 an area; at the middle of the edge."""
+    """Scordelis and Lo: R 25, L 50, 80 degrees, h 0.25, E 4.32e8, nu 0, gravity 90 an area; at mid-edge."""
     radius, length, angle, n = 25.0, 50.0, np.radians(40), 8
     points, triangles, at = grid(n, n, lambda u, v: (
         radius * np.sin(angle * u), 0.5 * length * v, radius * np.cos(angle * u)), pattern_of(rung))  # fmt: skip
@@ -50,11 +50,13 @@ def pinched_hemisphere(rung):
 def twisted_beam(rung, force):
     """L 12, b 1.1, h 0.32, turned by 90 degrees from root to tip, E 29e6, nu 0.22, unit force at the tip."""
     points, triangles, at = grid(24, 4, lambda u, v: (
-        12 * u, 1.1 * (v - 0.5) * np.cos(np.pi / 2 * u), 1.1 * (v - 0.5) * np.sin(np.pi / 2 * u)), pattern_of(rung))  # fmt: skip
+        12 * u, 1.1 * (v - 0.5) * np.cos(np.pi / 2 * u), 1.1 * (v - 0.5) * np.sin(np.pi / 2 * u)),
+        pattern_of(rung))  # fmt: skip
     along = np.pi / 2 * points[:, 0] / 12
     offset = np.where(np.cos(along) > 0.5, points[:, 1] / np.maximum(np.cos(along), 1e-9), 0.0)
     offset = np.where(np.cos(along) > 0.5, offset, points[:, 2] / np.maximum(np.sin(along), 1e-9))
-    tangent = np.stack([0 * along + 1, -offset * np.sin(along) * np.pi / 24, offset * np.cos(along) * np.pi / 24], axis=1)
+    turn = offset * np.pi / 24
+    tangent = np.stack([0 * along + 1, -turn * np.sin(along), turn * np.cos(along)], axis=1)
     across = np.stack([0 * along, np.cos(along), np.sin(along)], axis=1)
     normals = np.cross(tangent, across)
     model, nodes = surface(rung, points, triangles, 0.32, kg.Material(29e6, 0.22),

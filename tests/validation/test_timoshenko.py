@@ -1,5 +1,5 @@
-"""Timoshenko and Gere, Theory of Elastic Stability, 2nd edition (1961): plates, columns, strips; refined values where the
-book's are of few digits.
+"""Timoshenko and Gere, Theory of Elastic Stability, 2nd edition (1961): plates, columns, strips; refined values
+where the book's are of few digits.
 """
 
 import numpy as np
