@@ -1,5 +1,5 @@
-"""Trusses: von Mises, Zeitschrift fuer angewandte Mathematik und Mechanik 3 (1923) 406-422; and the step load that snaps
-such a truss: its potential at the highest point of the motion is that at rest.
+"""Trusses: von Mises, Zeitschrift fuer angewandte Mathematik und Mechanik 3 (1923) 406-422; and the step load that
+snaps such a truss: its potential at the highest point of the motion is that at rest.
 """
 
 import numpy as np
