@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -15,6 +16,7 @@ from kirigami.primitives.checks import require_instance
 from kirigami.primitives.kernel import Array
 from kirigami.results.results import Results
 from kirigami.results.step import Step
+from kirigami.results.yielding import YieldWatch
 from kirigami.system.supports import check_floppy
 from kirigami.system.system import System
 
@@ -48,6 +50,9 @@ class Run:
         self.system = System(analysis.model, apart)
         self.results = Results(self.system, linear=linear)
         self.results.stats["unknowns"] = self.system.free
+        self._yields = YieldWatch(self.results)
+        start = getattr(analysis, "start", None)
+        self._before: Step | None = start if isinstance(start, Step) else None  # the last step there is
         analysis.results = self.results
 
     def factorize(self, matrix: Any) -> Factor:
@@ -134,6 +139,18 @@ class Run:
             stage=system.model.stage,
             stage_key=system.model.stage_key,
         )
+
+    def store(self, step: Step) -> Step:
+        """Put a step into the results, with what has yielded there; tells where something does so first."""
+        watch, before = self._yields, self.results.steps[-1] if self.results.steps else self._before
+        if watch.looks:
+            with self.system.clock("yield"):
+                share, elastic = watch.share(step)
+            step = replace(step, yielded=share)
+            if share > 0 and not (before is not None and before.yielded > 0):
+                self.results.events.append(watch.event(step, elastic, self.results.steps[-1:] and before or None))
+        self.results.append(step)
+        return step
 
     def count_seconds(self) -> None:
         """Bring the seconds and steps in the stats up to date."""

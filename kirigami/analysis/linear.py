@@ -57,7 +57,7 @@ class LinearStatic(Analysis):
             q_rate = factor.solve(-rate)
         for lam in (0.0, 1.0):
             u = system.small_displacement(q_constant + lam * q_rate, lam)
-            results.append(run.make_step(u, lam, factor.negative, float("nan"), 1))
+            run.store(run.make_step(u, lam, factor.negative, float("nan"), 1))
             # The residual of the linear equations, over the forces that the displacements cause block by block.
             unbalanced = system.reduce(system.carried(results._row_gradients[-1], rest))
             caused = float(np.linalg.norm(system.plan.multiply(np.abs(blocks), np.abs(u)))) or 1.0

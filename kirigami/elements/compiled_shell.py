@@ -10,13 +10,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kirigami.elements import shell_loops
+from kirigami.elements.compiled_yield import CompiledLayers
 from kirigami.primitives.kernel import Array, Configuration, Tangent, displacement_of
 from kirigami.primitives.processors import processors
 
 if TYPE_CHECKING:
     from kirigami.elements.shell_kernel import ShellFacetKernel
+    from kirigami.elements.shell_yield import YieldingShellKernel
 
 Index = NDArray[np.int64]
+NONE = np.empty(0, np.int64), np.empty((0, 18)), np.empty((0, 3, 6, 6))  # no facet that answers by another law
 MANY = 4000  # facets from which on threads gain more than they cost
 
 
@@ -58,9 +61,17 @@ class CompiledShell:
             total += target
         return float(sum(value or 0.0 for value in found))
 
+    def _answers(self, state: tuple[Any, ...], lam: float, tangent: bool) -> tuple[Index, Array, Array]:
+        """Which facets answer by a law of their own, as places (n,) or nothing, with derivatives by the fields (k, 18)
+        and sections (k, 3, 6, 6)."""
+        return NONE
+
     def add_forces(self, x: Configuration, lam: float, total: Array) -> float:
         state = self._state(x)
-        return self._side_by_side(lambda first, last, target: shell_loops.forces(*state, first, last, target), total)
+        own = self._answers(state, lam, False)[:2]
+        return self._side_by_side(
+            lambda first, last, target: shell_loops.forces(*state, *own, first, last, target), total
+        )
 
     def add_blocks(self, x: Configuration, lam: float, tangent: Tangent, slots: Index, blocks: Array) -> None:
         ahead = np.empty((0, 9))
@@ -75,11 +86,35 @@ class CompiledShell:
                 self._matrices[0], self._section[1], self._section[2], curvature, ahead,
             )  # fmt: skip
         state, chart, convexity = self._state(x), self._kernel.chart.tangent, float(tangent.convexity)
+        own = self._answers(state, lam, True)
 
         def work(first: int, last: int, target: Array) -> None:
-            shell_loops.blocks(*state, first, last, chart, ahead, convexity, slots, target)
+            shell_loops.blocks(*state, *own, first, last, chart, ahead, convexity, slots, target)
 
         self._side_by_side(work, blocks)
+
+
+class CompiledYieldingShell(CompiledShell):
+    """Twin of :class:`kirigami.elements.shell_yield.YieldingShellKernel`."""
+
+    _kernel: YieldingShellKernel
+
+    def __init__(self, kernel: YieldingShellKernel) -> None:
+        super().__init__(kernel)
+        own = kernel.layers
+        self._layers = CompiledLayers(own.thickness, own.E, own.nu, own.hardening)
+
+    def _answers(self, state: tuple[Any, ...], lam: float, tangent: bool) -> tuple[Index, Array, Array]:
+        kernel = self._kernel
+        fields = np.empty((len(kernel.conn), 3, 6))
+        shell_loops.fields_at(*state, fields.reshape(-1, 18))
+        flown = kernel.flow(fields, tangent, self._layers)
+        if not len(flown.facets):
+            return NONE
+        place = np.full(len(kernel.conn), -1)
+        place[flown.facets] = np.arange(len(flown.facets))
+        section = NONE[2] if flown.section is None else np.ascontiguousarray(flown.section)
+        return place, flown.at_corners.reshape(-1, 18), section
 
 
 def _by_facet(values: Any) -> Any:

@@ -129,6 +129,15 @@ class ShellFacet(ModelObject):
         sections = section_matrices(objects, numbering.rest[edges.triangles])
         density = np.array([(f.material.density or np.nan) * f.thickness for f in objects])
         planes = plane_normals(mirror_planes(numbering), edges.ends, edges.edge)
+        if any(getattr(facet.material, "yields", False) for facet in objects):
+            from kirigami.elements.shell_yield import YieldingShellKernel, yield_constants
+
+            constants = yield_constants(objects)
+            return [
+                YieldingShellKernel(
+                    numbering.rest, conn, sections, edges.forward, density, planes=planes, **constants
+                )
+            ]
         return [ShellFacetKernel(numbering.rest, conn, sections, edges.forward, density, planes=planes)]
 
 

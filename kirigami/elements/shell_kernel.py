@@ -311,16 +311,23 @@ class ShellFacetKernel(Kernel):
 
     # ---- energy and derivatives
 
+    def _answer(self, fields: Array, need: int = 2) -> Answer:
+        resultants = self._resultants(fields)
+        return Answer(0.5 * (fields * resultants).sum(axis=(1, 2)), resultants, self.section[:, None])
+
     def evaluate(self, x: Array, lam: float = 1.0, need: int = 2, tangent: Tangent = EXACT) -> Contribution:
         fields = self._elastic(self._fields(x), lam)
-        resultants = self._resultants(fields)
-        energy = 0.5 * (fields * resultants).sum(axis=(1, 2))
+        energy, resultants, sections, own = self._answer(fields, need)
         if need == 0:
             return Contribution(energy)
         n = len(energy)
         pull = _pull_back(self._membrane.to_strain, resultants[..., :3])
         bend = _pull_back(self._bending.to_curvature, resultants[..., 3:])
-        geometric = pull if tangent.ahead is None or need < 2 else self._pull_ahead(*tangent.ahead, lam)
+        geometric = pull
+        if tangent.ahead is not None and need == 2:
+            geometric = self._pull_ahead(*tangent.ahead, lam)
+            if own is not None:  # what yields pumps up no false stress
+                geometric[:, own] = pull[:, own]
         vectors = self._vectors(x)[0]
         directors = self._local_directors()
         gradient = np.empty((n, 9, 3))
@@ -335,7 +342,8 @@ class ShellFacetKernel(Kernel):
             local += np.einsum("mzn,mn->nz", bending, bend[:, part])
             gradient[part] = _to_rows(local)
             if hessian is not None:
-                hessian[part] = self._hessian(state, membrane, bending, geometric[:, part], bend[:, part], tangent)
+                forces = geometric[:, part], bend[:, part]
+                hessian[part] = self._hessian(state, membrane, bending, *forces, sections[part], tangent)
         return Contribution(energy, gradient, hessian)
 
     def _chains(self, state: _State) -> tuple[Array, Array]:
@@ -353,15 +361,16 @@ class ShellFacetKernel(Kernel):
         return membrane, bending
 
     def _hessian(
-        self, state: _State, membrane: Array, bending: Array, pull: Array, bend: Array, tangent: Tangent
-    ) -> Array:
+        self, state: _State, membrane: Array, bending: Array, pull: Array, bend: Array, sections: Array,
+        tangent: Tangent,
+    ) -> Array:  # fmt: skip
         part, m = state.part, membrane.shape[-1]
         exact = 1.0 - tangent.convexity
         rows = np.zeros((m, 3, 6, 24))
         rows[:, :, :3, :15] = (self._membrane.to_strain[part] @ membrane.transpose(2, 0, 1)).reshape(m, 3, 3, 15)
         rows[:, :, 3:] = (self._bending.to_curvature[part] @ bending.transpose(2, 0, 1)).reshape(m, 3, 3, 24)
         rows = (SHARE @ rows.reshape(m, 3, -1)).reshape(m, 3, 6, 24)
-        stiff = (self.section[part] * (self.chart.area[part] / 12)[:, None, None])[:, None] @ rows
+        stiff = (sections * (self.chart.area[part] / 12)[:, None, None, None]) @ rows
         total = rows.reshape(m, 18, 24).transpose(0, 2, 1) @ stiff.reshape(m, 18, 24)
         form = self._membrane.second_derivatives(exact * pull, part)
         if tangent.convexity:
@@ -373,6 +382,16 @@ class ShellFacetKernel(Kernel):
             curved += angle_second(bend[9:], state.edges, state.directors)
         total[:, :15, :15] += curved.reshape(5, 5, 3, 3, m).transpose(4, 0, 2, 1, 3).reshape(m, 15, 15)
         return _to_blocks(total)
+
+
+class Answer(NamedTuple):
+    """What facets answer to strain and curvature at their corners: energy (n,), its derivatives (n, 3, 6), the tangent
+    sections (n, 1 or 3, 6, 6) at the points inside, and which facets do so by another law than the elastic one."""
+
+    energy: Array
+    resultants: Array
+    sections: Array
+    own: NDArray[np.int64] | None = None
 
 
 class _State(NamedTuple):

@@ -190,7 +190,7 @@ def fields_of(f, r, b, to_strain, to_curvature, fields):  # type: ignore[no-unty
 
 @compiled
 def resultants_of(f, fields, section, area, force):  # type: ignore[no-untyped-def]
-    """Derivatives (18,) of the energy by the fields at the corners."""
+    """Derivatives (18,) of the energy by the fields at the corners, of a facet that is elastic."""
     scale = area[f] / 12.0
     for c in range(6):
         total = 0.0
@@ -221,10 +221,26 @@ def pulled_back(f, force, to_strain, to_curvature, pull, moment):  # type: ignor
 
 
 @compiled
+def fields_at(  # type: ignore[no-untyped-def]
+    conn, x, u, rest, per_square, forms, to_strain, to_curvature, second, section, area,
+    rest_angle, rest_curvature, director, stored, scale, found,
+):  # fmt: skip
+    """Strain and curvature (n, 18) at the corners of all facets."""
+    du, v, r, b = np.empty((5, 3)), np.empty((5, 3)), np.empty(9), np.empty(15)
+    for f in range(len(conn)):
+        gather(f, conn, u, rest, du, v)
+        stretch(f, rest, du, per_square, forms, r)
+        bend(f, v, x, conn, director, stored, scale, second, rest_angle, rest_curvature, b)
+        fields_of(f, r, b, to_strain, to_curvature, found[f])
+
+
+@compiled
 def forces(  # type: ignore[no-untyped-def]
     conn, x, u, rest, per_square, forms, to_strain, to_curvature, second, section, area,
-    rest_angle, rest_curvature, director, stored, scale, first, last, total,
+    rest_angle, rest_curvature, director, stored, scale, place_of, answers, first, last, total,
 ):  # fmt: skip
+    """Add the gradient. Where `place_of` (n,) is given and not -1, the derivatives by the fields are those of
+    `answers` (k, 18)."""
     du, v = np.empty((5, 3)), np.empty((5, 3))
     r, b, fields, force = np.empty(9), np.empty(15), np.empty(18), np.empty(18)
     pull, moment, local = np.empty(9), np.empty(15), np.empty(21)
@@ -235,8 +251,11 @@ def forces(  # type: ignore[no-untyped-def]
         gather(f, conn, u, rest, du, v)
         stretch(f, rest, du, per_square, forms, r)
         bend(f, v, x, conn, director, stored, scale, second, rest_angle, rest_curvature, b)
-        fields_of(f, r, b, to_strain, to_curvature, fields)
-        resultants_of(f, fields, section, area, force)
+        if len(place_of) and place_of[f] >= 0:
+            force[:] = answers[place_of[f]]
+        else:
+            fields_of(f, r, b, to_strain, to_curvature, fields)
+            resultants_of(f, fields, section, area, force)
         pulled_back(f, force, to_strain, to_curvature, pull, moment)
         stretch_rows(f, v, per_square, forms, membrane)
         bend_rows(f, v, director, scale, second, bending)
@@ -383,8 +402,11 @@ def angle_second(f, v, moment, director, rows, local):  # type: ignore[no-untype
 @compiled
 def blocks(  # type: ignore[no-untyped-def]
     conn, x, u, rest, per_square, forms, to_strain, to_curvature, second, section, area,
-    rest_angle, rest_curvature, director, stored, scale, first, last, tangent, ahead, convexity, slots, target,
+    rest_angle, rest_curvature, director, stored, scale, place_of, answers, sections, first, last, tangent, ahead,
+    convexity, slots, target,
 ):  # fmt: skip
+    """Add the Hessian. Where `place_of` (n,) is given and not -1, the derivatives by the fields are those of `answers`
+    (k, 18), and the tangent is that of `sections` (k, 3, 6, 6) at the points inside."""
     n, count = len(conn), len(target)
     exact = 1.0 - convexity
     du, v = np.empty((5, 3)), np.empty((5, 3))
@@ -398,8 +420,12 @@ def blocks(  # type: ignore[no-untyped-def]
         gather(f, conn, u, rest, du, v)
         stretch(f, rest, du, per_square, forms, r)
         bend(f, v, x, conn, director, stored, scale, second, rest_angle, rest_curvature, b)
-        fields_of(f, r, b, to_strain, to_curvature, fields)
-        resultants_of(f, fields, section, area, force)
+        flows = len(place_of) > 0 and place_of[f] >= 0
+        if flows:
+            force[:] = answers[place_of[f]]
+        else:
+            fields_of(f, r, b, to_strain, to_curvature, fields)
+            resultants_of(f, fields, section, area, force)
         pulled_back(f, force, to_strain, to_curvature, pull, moment)
         stretch_rows(f, v, per_square, forms, membrane)
         bend_rows(f, v, director, scale, second, bending)
@@ -429,7 +455,8 @@ def blocks(  # type: ignore[no-untyped-def]
                 for z in range(21):
                     stiff[6 * i + c, z] = 0.0
                 for d in range(6):
-                    weight = section[f, c, d] * area[f] / 12.0
+                    stiffness = sections[place_of[f], i, c, d] if flows else section[f, c, d]
+                    weight = stiffness * area[f] / 12.0
                     if weight != 0.0:
                         for z in range(21):
                             stiff[6 * i + c, z] += weight * rows[6 * i + d, z]
@@ -443,7 +470,7 @@ def blocks(  # type: ignore[no-untyped-def]
                 for z in range(y + 1):
                     both = local[y, z] + local[z, y]
                     local[y, z], local[z, y] = both, both
-        if len(ahead):
+        if len(ahead) and not flows:
             for m in range(9):
                 pull[m] = ahead[f, m]
         stretch_second(f, pull, per_square, forms, tangent, exact, convexity, form)

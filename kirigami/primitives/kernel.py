@@ -279,6 +279,23 @@ class Kernel:
 
         return by_differences(self, x, lam, v, energy)
 
+    def fits(self, history: Array) -> bool:
+        """Whether `history` can be that of this kernel; it may be of another model."""
+        own = self.history
+        return own is not None and history.shape == own.shape
+
+    def plastic(self) -> Array | None:
+        """Accumulated plastic deformation (n,) of the members in the committed state; None where they never yield."""
+        return None
+
+    def dissipated(self, x: Array) -> Array | None:
+        """The part (n,) of the energy at `x` that is lost to plastic work; None where nothing is."""
+        return None
+
+    def force_on(self, x: Array, lam: float) -> Array:
+        """What the members answer (n, ...) at `x`, where history counts as well."""
+        return self.force_at(self.deformation(x), lam)
+
     def arrays(self) -> dict[str, Any]:
         """Constructor arguments, so that results can be saved and rebuilt."""
         raise NotImplementedError(f"{type(self).__name__} does not say how to save itself: define arrays()")

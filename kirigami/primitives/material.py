@@ -20,7 +20,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kirigami.errors import ModelError
-from kirigami.primitives.checks import require_finite, require_instance, require_items, require_positive
+from kirigami.primitives.checks import (
+    require_finite,
+    require_instance,
+    require_items,
+    require_not_negative,
+    require_positive,
+)
+from kirigami.primitives.hardening import YieldCurve, checked_curve, checked_table
 from kirigami.primitives.kernel import Array
 
 SAME = 1e-9  # two thicknesses that differ by less are one
@@ -34,6 +41,7 @@ class SheetMaterial:
 
     isotropic: bool = False
     density: float | None = None
+    yield_stress: float | None = None
 
     def elasticity(self, height: float = 0.0) -> Array:
         """Plane-stress matrix (3, 3) for (exx, eyy, gamma_xy) at a height over the thickness, from -1/2 to 1/2."""
@@ -63,7 +71,11 @@ def _check_density(material: Any, owner: str) -> None:
 
 @dataclass(frozen=True)
 class Material(SheetMaterial):
-    """Linear elastic, isotropic material of a sheet.
+    """Isotropic material of a sheet: linear elastic and, where a yield stress is given, plastic beyond it.
+
+    What yields, on which rung: see :doc:`yield`. Shell facets yield layer by layer (von Mises), bars and hinges by their
+    own force and moment; where a rung or an analysis stays elastic, results tell of what is strained beyond the yield
+    stress.
 
     Parameters
     ----------
@@ -73,22 +85,37 @@ class Material(SheetMaterial):
         Poisson's ratio, above -1 and below 0.5.
     density : float, optional
         Mass per volume; only where mass or weight matters.
+    yield_stress : float, optional
+        Stress under tension at which the material yields first [force / length^2]; None: it never does.
+    hardening : float or array_like, shape (k, 2), or None
+        How the yield stress grows with the accumulated plastic strain (isotropic hardening): a modulus
+        [force / length^2], or a table of plastic strain and yield stress that does not fall, constant beyond its end.
+        None keeps the material elastic, and results tell where the yield stress is passed.
+    kinematic : float
+        Modulus of linear kinematic hardening [force / length^2]: the stress about which the material yields moves by
+        this times the plastic strain in tension.
 
     Raises
     ------
     ModelError
-        A value is out of its range or not finite.
+        A value is out of its range or not finite, a table that falls, hardening without a yield stress.
 
     Examples
     --------
     >>> import kirigami as kg
     >>> kg.Material(E=3.5e9, nu=0.34)
     Material(E=3500000000.0, nu=0.34, density=None)
+    >>> pet = kg.Material(E=3.5e9, nu=0.34, yield_stress=60e6, hardening=[(0.05, 65e6), (0.3, 120e6)])
+    >>> pet.yields
+    True
     """
 
     E: float
     nu: float = 1 / 3
     density: float | None = None
+    yield_stress: float | None = None
+    hardening: float | tuple[tuple[float, float], ...] | None = 0.0
+    kinematic: float = 0.0
 
     isotropic = True
 
@@ -99,6 +126,32 @@ class Material(SheetMaterial):
             raise ModelError(f"Material: nu must lie between -1 and 0.5, got {nu}")
         object.__setattr__(self, "nu", nu)
         _check_density(self, "Material")
+        if self.hardening is not None:
+            object.__setattr__(self, "hardening", checked_table(self.hardening, "Material"))
+        object.__setattr__(self, "kinematic", require_not_negative(self.kinematic, "kinematic", "Material"))
+        if self.yield_stress is not None:
+            first = require_positive(self.yield_stress, "yield_stress", "Material")
+            object.__setattr__(self, "yield_stress", first)
+            checked_curve(first, self.hardening or 0.0, self.kinematic, "Material", "yield_stress")
+        elif self.hardening not in (None, 0.0) or self.kinematic:
+            raise ModelError("Material: hardening needs a yield_stress, the stress at which it begins")
+
+    def __repr__(self) -> str:
+        beyond = "" if self.yield_stress is None else f", yield_stress={self.yield_stress}, hardening={self.hardening}"
+        beyond += f", kinematic={self.kinematic}" if self.kinematic else ""
+        return f"Material(E={self.E}, nu={self.nu}, density={self.density}{beyond})"
+
+    @property
+    def yields(self) -> bool:
+        """Whether elements that can shall yield: a yield stress is given, and not ``hardening=None``."""
+        return self.yield_stress is not None and self.hardening is not None
+
+    @property
+    def yield_curve(self) -> YieldCurve | None:
+        """Yield stress over plastic strain; None where nothing shall yield."""
+        if self.yield_stress is None or self.hardening is None:
+            return None
+        return checked_curve(self.yield_stress, self.hardening, self.kinematic, "Material", "yield_stress")
 
     def elasticity(self, height: float = 0.0) -> Array:
         E, nu = self.E / (1 - self.nu**2), self.nu
@@ -203,6 +256,11 @@ class Laminate(SheetMaterial):
             material = require_instance(pair[0], SheetMaterial, "material", owner)
             thickness = require_positive(pair[1], "thickness", owner)
             material.checked_thickness(thickness, owner)
+            if getattr(material, "yields", False):
+                raise ModelError(
+                    f"{owner} has a yield stress, but the layers of a Laminate stay elastic: give it hardening=None, "
+                    "or make the sheet of one Material"
+                )
             checked.append((material, thickness))
         if not checked:
             raise ModelError("Laminate: give at least one layer, a pair of a material and a thickness")
@@ -278,7 +336,10 @@ def each_section(thickness: Array, number: NDArray[np.int64], materials: Sequenc
 def to_words(material: SheetMaterial) -> Any:
     """A material in plain lists and numbers, for files."""
     if isinstance(material, Material):
-        return [material.E, material.nu, material.density]  # as files of earlier versions have it
+        elastic = [material.E, material.nu, material.density]  # as files of earlier versions have it
+        if material.yield_stress is None:
+            return elastic
+        return {"class": "Material", "values": [*elastic, material.yield_stress, material.hardening, material.kinematic]}
     if isinstance(material, Orthotropic):
         values = [material.E1, material.E2, material.nu12, material.G12, material.angle, material.density]
         return {"class": "Orthotropic", "values": values}
@@ -291,6 +352,8 @@ def from_words(words: Any) -> SheetMaterial:
     """The material of :func:`to_words`."""
     if not isinstance(words, dict):
         return Material(*words)
+    if words["class"] == "Material":
+        return Material(*words["values"])
     if words["class"] == "Orthotropic":
         return Orthotropic(*words["values"])
     if words["class"] == "Laminate":

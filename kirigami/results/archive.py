@@ -48,6 +48,9 @@ KERNELS = {
     "ShellFacetKernel": "elements.shell_kernel",
     "SpringKernel": "effects.spring",
     "TorsionSpring3Kernel": "elements.torsion_spring",
+    "YieldingBarKernel": "elements.member_yield",
+    "YieldingHingeKernel": "elements.member_yield",
+    "YieldingShellKernel": "elements.shell_yield",
 }
 
 
@@ -109,6 +112,8 @@ def pack(results: Results, with_kernels: bool = True) -> dict[str, Any]:
             unknown = np.full((count, 3), np.nan)
             told = [unknown if step.forces is None else getattr(step, name) for step in steps]
             arrays[name] = np.array(told).reshape(len(steps), count, 3)
+    if not all(np.isnan(step.yielded) for step in steps):
+        arrays["yielded"] = np.array([step.yielded for step in steps])
     for position, event in enumerate(results.events):
         if event.mode is not None:
             arrays[f"mode{position}"] = event.mode
@@ -356,6 +361,7 @@ def unpack_path(head: dict[str, Any], data: dict[str, Any]) -> tuple[list[Step],
             history=tuple(data.get(f"history{position}.{index}") for position in range(kernels)),
             stage=stage,
             inner=data["inner"][index] if "inner" in data else np.zeros((0, 3)),
+            yielded=float(data["yielded"][index]) if "yielded" in data else float("nan"),
             **_motion(data, index),
         )
         for index, (negative, residual, over_reaction, iterations, kernels, stage) in enumerate(head["steps"])

@@ -18,6 +18,7 @@ from kirigami.primitives.kernel import Array
 from kirigami.results.fracture import tips
 from kirigami.results.recovery import BENDING, MEMBRANE, Recovery
 from kirigami.results.results import Results
+from kirigami.results.yielding import yield_words
 
 if TYPE_CHECKING:
     from kirigami.geometry.mesh import TriMesh
@@ -30,7 +31,7 @@ BARS = ("paper", "plate", "calibration")  # rungs that lose stiffness there
 
 
 def doubts(results: Results) -> list[str]:
-    """Sentences on what is to be doubted in results, none where nothing is; of a model without a mesh always none.
+    """Sentences on what is to be doubted in results, none where nothing is; of a model without a mesh only on yield.
 
     Examples
     --------
@@ -46,9 +47,10 @@ def doubts(results: Results) -> list[str]:
     """
     mesh = results.mesh
     if mesh is None:
-        return []
-    told = [*_ligaments(results, mesh), *_free_edges(results, mesh)]
-    if len(results) and results.sheet_constants is not None:
+        return yield_words(results)
+    told = [*_ligaments(results, mesh), *_free_edges(results, mesh), *yield_words(results)]
+    constants = results.sheet_constants
+    if len(results) and constants is not None and all(m.yield_stress is None for m in constants.materials):
         told += _strain(results, mesh)
     if any(tips(mesh, cut) for cut in range(len(mesh.cuts))):
         told.append(
@@ -60,9 +62,11 @@ def doubts(results: Results) -> list[str]:
 
 def worth(results: Results) -> list[str]:
     """The error bar of a sheet in words, where it has one, and what is to be doubted."""
-    if results.mesh is None or not len(results):
+    if not len(results):
         return []
-    told = []
+    told: list[str] = []
+    if results.mesh is None:
+        return doubts(results)
     with suppress(AnalysisError):  # no estimate of what is no sheet
         told.append(str(results.error))
     return told + doubts(results)

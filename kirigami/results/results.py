@@ -152,6 +152,12 @@ class Results(ModelRecord):
         return np.array([step.stable for step in self.steps], dtype=bool)
 
     @property
+    def yielded(self) -> Array:
+        """Share (s,) of the sheet that has yielded, or is strained beyond its yield stress where it stays elastic; of
+        structures without a sheet the share of the members that can yield. nan without a yield stress."""
+        return np.array([step.yielded for step in self.steps])
+
+    @property
     def residual(self) -> Array:
         """Relative residual of each step (s,)."""
         return np.array([step.residual for step in self.steps])
@@ -193,9 +199,10 @@ class Results(ModelRecord):
 
     def member_force(self, kernel: Kernel, step: Step) -> Array:
         """Force or moment (members, ...) of a kernel at a step; to first order for a linear analysis."""
-        felt = self.member_deformation(kernel, step)
         if not self.linear:
-            return kernel.force_at(felt, step.lam)
+            found: Array = self.evaluate_at(kernel, step, lambda x: kernel.force_on(x, step.lam))
+            return found
+        felt = self.member_deformation(kernel, step)
         return linear_force(kernel, kernel.deformation(self.configuration()), felt, step.lam)
 
     def rows(self, step: Step | None = None) -> Array:
@@ -288,27 +295,37 @@ class Results(ModelRecord):
 
     @cached_property
     def energy(self) -> dict[str, Array]:
-        """Energy [force length], each (s,): stored, by kind of kernel, "bars", "hinges", "springs", ..., and "kinetic"
-        of a motion."""
+        """Energy [force length], each (s,): stored, by kind of kernel, "bars", "hinges", "springs", ..., "dissipated"
+        where something yields, and "kinetic" of a motion."""
         totals: dict[str, Array] = {}
         for kernel in self.kernels:
             if kernel.stores_energy:
                 values = np.array([self.member_energy(kernel, step).sum() for step in self.steps])
                 totals[kernel.name] = totals.get(kernel.name, np.zeros(len(self.steps))) + values
+        yielding = [kernel for kernel in self.kernels if kernel.plastic() is not None]
+        if yielding and not self.linear:
+            totals["dissipated"] = np.array(
+                [sum(self._dissipated(kernel, step).sum() for kernel in yielding) for step in self.steps]
+            )
         if self.moves:
             totals["kinetic"] = np.array([step.kinetic for step in self.steps])
         return totals
 
     def member_energy(self, kernel: Kernel, step: Step) -> Array:
-        """Energy (members,) of one of the kernels at a step [force length]; of a linear analysis to second order."""
+        """Stored energy (members,) of one of the kernels at a step [force length]; of a linear analysis to second
+        order."""
         if not self.linear:
             found: Array = self.evaluate_at(kernel, step, lambda x: kernel.evaluate(x, step.lam, 0)).energy
-            return found
+            return found if kernel.plastic() is None else found - self._dissipated(kernel, step)
         start = linear_contribution(kernel, self.configuration(), step.lam)
         assert start.gradient is not None
         u = self.rows(step)[kernel.conn]
         rate = start.gradient + 0.5 * hessian_product(kernel, start, u)
         return np.asarray(start.energy + (rate * u).sum(axis=(1, 2)))
+
+    def _dissipated(self, kernel: Kernel, step: Step) -> Array:
+        lost: Array = self.evaluate_at(kernel, step, kernel.dissipated)
+        return lost
 
     def _members(self, name: str, quantity: str, of: Any = None) -> Array:
         """A quantity of the members of the kernels of one name, in the order their objects were added."""

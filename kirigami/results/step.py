@@ -52,6 +52,9 @@ class Step:
         before, inertia and damping included. None at its first moment.
     inner_forces : ndarray, shape (h, 3)
         The same of the rows that elements keep behind the nodes.
+    yielded : float
+        Share of the sheet, or of the members that can yield, that has yielded or, where it stays elastic, is strained
+        beyond its yield stress; nan without a yield stress.
 
     Examples
     --------
@@ -80,6 +83,7 @@ class Step:
     kinetic: float = 0.0
     forces: Array | None = None
     inner_forces: Array = field(default_factory=lambda: np.zeros((0, 3)))
+    yielded: float = float("nan")
 
     @property
     def stable(self) -> bool:
@@ -135,7 +139,9 @@ class Event:
         "limit point" (the load factor has an extremum), "bifurcation" (another path crosses), "stability change" (one
         of the two that could not be located), "switch" (an unstable path was left for another one), "switch failed"
         (no stable equilibrium was found), "snap" (energy was set free), "jump" (a long increment of a corrector that
-        leaps lost the path, in a sharp bend or a small snap), "step limit", "interrupted" or "failed".
+        leaps lost the path, in a sharp bend or a small snap), "yield" (something yields for the first time), "beyond
+        yield" (something that stays elastic is strained beyond its yield stress for the first time), "step limit",
+        "interrupted" or "failed".
     lam : float
         Load factor: located for limit points and bifurcations, else the middle of ``bracket``.
     step : int

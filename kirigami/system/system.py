@@ -420,8 +420,7 @@ class System(Unknowns):
     def history(self, values: tuple[Array | None, ...] | None) -> None:
         for position, kernel in enumerate(self.kernels):
             value = values[position] if values and position < len(values) else None
-            stored = kernel.history
-            kernel.history = value if stored is not None and value is not None and value.shape == stored.shape else None
+            kernel.history = value if value is not None and kernel.fits(value) else None
 
     # ---- supports
 

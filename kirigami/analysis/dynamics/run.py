@@ -211,7 +211,7 @@ class DynamicsRun(Run):
             forces=forces,
             inner_forces=inner_forces,
         )
-        self.results.append(step)
+        step = self.store(step)
         for recorder in self.recorders:
             recorder(step)
 

@@ -157,6 +157,6 @@ class Walk(PathRun):
         self._record(self.make_step(state.u, state.lam, point.negative, attempt.residual, attempt.iterations))
 
     def _record(self, step: Step) -> None:
-        self.results.append(step)
+        step = self.store(step)
         for recorder in self.recorders:
             recorder(step)

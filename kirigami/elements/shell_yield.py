@@ -1,0 +1,233 @@
+"""Shell facets that yield: von Mises plasticity in twelve layers at three points of each facet.
+
+The law of the section is in :mod:`kirigami.elements.layers`. From one accepted equilibrium to the next the energy is
+that of :mod:`kirigami.elements.plane_stress` after minimising over the plastic strain, so that all solvers work on it
+as on an elastic one; when one is accepted, the plastic strains move on. A facet none of whose points has ever yielded
+is elastic and costs as much, but for a look at its outermost layers.
+
+Energy and forces at the three points inside, which integrate quadratics exactly, are those of the elastic facet as
+long as it is elastic.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kirigami.elements.layers import LAYERS, Layers
+from kirigami.elements.shell_geometry import AREA_PLACES
+from kirigami.elements.shell_kernel import Answer, ShellFacetKernel
+from kirigami.errors import ModelError
+from kirigami.primitives.hardening import Hardening
+from kirigami.primitives.kernel import Array, CompiledKernel
+
+POINTS = 3
+
+
+@dataclass(eq=False)
+class Flown:
+    """What facets answer that have yielded or do so now.
+
+    Attributes
+    ----------
+    facets : ndarray of int, shape (k,)
+    energy : ndarray, shape (k,)
+    at_corners : ndarray, shape (k, 3, 6)
+        Derivatives of the energy by strain and curvature at the corners.
+    section : ndarray, shape (k, 3, 6, 6), or None
+        Tangent sections at the points inside.
+    state : ndarray, shape (k, 3, layers, 4)
+        Plastic strains and the accumulated one, at the end of the increment.
+    """
+
+    facets: NDArray[np.int64]
+    energy: Array
+    at_corners: Array
+    section: Array | None
+    state: Array
+
+
+def yield_constants(objects: Sequence[Any]) -> dict[str, Array]:
+    """Thickness, elastic constants and yield curves of facets, as the kernel takes them."""
+    curves, constants = [], np.empty((3, len(objects)))
+    for position, facet in enumerate(objects):
+        material = facet.material
+        yields = getattr(material, "yields", False)
+        if yields and facet.section is not None:
+            raise ModelError(
+                f"ShellFacet on {facet.nodes}: a facet with a section of its own stays elastic, since how its stress "
+                "lies over the thickness is not known: give its material hardening=None, or no section"
+            )
+        curves.append(material.yield_curve if yields else None)
+        constants[:, position] = (facet.thickness, material.E, material.nu) if yields else (facet.thickness, 1.0, 0.0)
+    thickness, E, nu = constants
+    return {"thickness": thickness, "E": E, "nu": nu, **Hardening.of(curves).arrays()}
+
+
+class YieldingShellKernel(ShellFacetKernel):
+    """All shell facets of a sheet of which some can yield; the arguments beyond those of elastic ones are per facet.
+
+    `history` is one row of numbers: the directors, how many layers have yielded, which these are, and their plastic
+    strains; so steps keep nothing of what is elastic.
+    """
+
+    def __init__(
+        self,
+        rest: Array,
+        conn: NDArray[np.int64],
+        section: Array,
+        forward: NDArray[np.bool_],
+        density: Array | None = None,
+        members: NDArray[np.int64] | None = None,
+        planes: Array | None = None,
+        natural: Array | None = None,
+        *,
+        thickness: Array,
+        E: Array,
+        nu: Array,
+        yield_strain: Array,
+        yield_stress: Array,
+        yield_beyond: Array,
+        yield_kinematic: Array,
+    ) -> None:
+        super().__init__(rest, conn, section, forward, density, members, planes, natural)
+        self.hardening = Hardening(yield_strain, yield_stress, yield_beyond, yield_kinematic)
+        self.layers = Layers(thickness, E, nu, self.hardening)
+        self._facets = np.zeros(0, dtype=np.int64)  # those that have yielded, in their order
+        self._states = np.zeros((0, POINTS, LAYERS, 4))
+        self._refuse_drive()
+
+    def arrays(self) -> dict[str, Any]:
+        own = {name: getattr(self.layers, name) for name in ("thickness", "E", "nu")}
+        return {**super().arrays(), **own, **self.hardening.arrays()}
+
+    def actuate(self, facets: NDArray[np.int64], local: Array, constant: bool) -> None:
+        super().actuate(facets, local, constant)
+        self._refuse_drive()
+
+    def _refuse_drive(self) -> None:
+        if self.scaled:
+            raise ModelError(
+                "a sheet that yields cannot be driven by Actuate with the load factor, since what has yielded would "
+                "depend on it: use constant=True, or a material with hardening=None"
+            )
+
+    def compiled(self) -> CompiledKernel | None:
+        if self._natural is not None:
+            return None
+        from kirigami.elements.compiled_shell import CompiledYieldingShell
+
+        return CompiledYieldingShell(self)
+
+    # ---- history
+
+    @property
+    def history(self) -> Array | None:
+        directors = np.asarray(super().history)
+        rows = self._states.reshape(-1, 4)
+        flown = np.flatnonzero(rows[:, 3])
+        per_facet = POINTS * LAYERS
+        which = self._facets[flown // per_facet] * per_facet + flown % per_facet
+        return np.concatenate([directors.ravel(), [len(flown)], which, rows[flown].ravel()])
+
+    @history.setter
+    def history(self, value: Array | None) -> None:
+        if value is None:
+            self._directors = self._rest_directors
+            self._facets, self._states = self._facets[:0], self._states[:0]
+            return
+        size = self._rest_directors.size
+        count = int(value[size])
+        self._directors = value[:size].reshape(self._rest_directors.shape)
+        which = value[size + 1 : size + 1 + count].astype(np.int64)
+        facet, layer = np.divmod(which, POINTS * LAYERS)
+        self._facets, place = np.unique(facet, return_inverse=True)
+        states = np.zeros((len(self._facets), POINTS * LAYERS, 4))
+        states[place, layer] = value[size + 1 + count :].reshape(count, 4)
+        self._states = states.reshape(-1, POINTS, LAYERS, 4)
+
+    def fits(self, history: Array) -> bool:
+        size = self._rest_directors.size
+        return history.ndim == 1 and len(history) > size and bool(len(history) == size + 1 + 5 * history[size])
+
+    def commit(self, x: Array) -> None:
+        flown = self.flow(self._elastic(self._fields(x), 0.0), tangent=False)
+        some = flown.state[..., 3].any(axis=(1, 2))
+        self._facets, self._states = flown.facets[some], flown.state[some]
+        super().commit(x)
+
+    def settle(self, x: Array) -> None:
+        self._facets, self._states = self._facets[:0], self._states[:0]
+        super().settle(x)
+
+    # ---- law
+
+    def flow(self, fields: Array, tangent: bool = True, layers: Layers | None = None) -> Flown:
+        """What facets that have yielded, or do so now, answer to elastic strain and curvature (n, 3, 6) at the corners;
+        `layers` may be a twin of the kernel's own."""
+        layers = self.layers if layers is None else layers
+        inside = AREA_PLACES @ fields
+        on = layers.passed(inside)
+        on[self._facets] = True
+        facets = np.flatnonzero(on)
+        state = np.zeros((len(facets), POINTS, LAYERS, 4))
+        state[np.searchsorted(facets, self._facets)] = self._states
+        energy, borne, section, new = layers.select(facets).respond(inside[facets], state, tangent)
+        share = self.chart.area[facets] / POINTS
+        return Flown(
+            facets, share * energy.sum(axis=1), share[:, None, None] * (AREA_PLACES @ borne), section, new
+        )
+
+    def _answer(self, fields: Array, need: int = 2) -> Answer:
+        answer = super()._answer(fields, need)
+        flown = self.flow(fields, need == 2)
+        if not len(flown.facets):
+            return answer
+        answer.energy[flown.facets], answer.resultants[flown.facets] = flown.energy, flown.at_corners
+        sections = answer.sections
+        if flown.section is not None:
+            sections = np.repeat(sections, POINTS, axis=1)
+            sections[flown.facets] = flown.section
+        return Answer(answer.energy, answer.resultants, sections, flown.facets)
+
+    # ---- what it tells
+
+    def plastic(self) -> Array:
+        """Accumulated plastic strain (n,) of each facet, the largest of the layers of the mean over its points."""
+        found = np.zeros(len(self.conn))
+        if len(self._facets):
+            found[self._facets] = self._states[..., 3].mean(axis=1).max(axis=1)
+        return found
+
+    def dissipated(self, x: Array) -> Array:
+        found = np.zeros(len(self.conn))
+        if len(self._facets):
+            lost = self.layers.select(self._facets).dissipated(self._states)
+            found[self._facets] = self.chart.area[self._facets] / POINTS * lost.sum(axis=1)
+        return found
+
+    def force_on(self, x: Array, lam: float) -> Array:
+        """Mean forces and moments per length (n, 6)."""
+        return np.asarray(self.point_forces(x, lam).mean(axis=1))
+
+    def point_forces(self, x: Array, lam: float) -> Array:
+        """Forces and moments per length (n, 3, 6) at the points inside."""
+        fields = self._elastic(self._fields(x), lam)
+        inside = AREA_PLACES @ fields
+        found = inside @ self.section.transpose(0, 2, 1)
+        flown = self.flow(fields, tangent=False)
+        if len(flown.facets):  # by the means at the corners: their inverse
+            corner = flown.at_corners * (POINTS / self.chart.area[flown.facets])[:, None, None]
+            found[flown.facets] = np.linalg.inv(AREA_PLACES) @ corner
+        return np.asarray(found)
+
+    def layer_stress(self, x: Array, lam: float) -> Array:
+        """Mean stress (n, layers, 3) of each layer of each facet, from the lower face to the upper one."""
+        inside = AREA_PLACES @ self._elastic(self._fields(x), lam)
+        state = np.zeros((len(self.conn), POINTS, LAYERS, 4))
+        state[self._facets] = self._states
+        return np.asarray(self.layers.stress(inside, state).mean(axis=1))
