@@ -148,7 +148,7 @@ class Run:
                 share, elastic = watch.share(step)
             step = replace(step, yielded=share)
             if share > 0 and not (before is not None and before.yielded > 0):
-                self.results.events.append(watch.event(step, elastic, self.results.steps[-1:] and before or None))
+                self.results.events.append(watch.event(step, elastic, before if self.results.steps else None))
         self.results.append(step)
         return step
 

@@ -25,11 +25,12 @@ from dataclasses import dataclass
 from typing import Any, ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from kirigami.elements.driven_rest import driven, held_at, targets_of, untouched
 from kirigami.errors import ModelError
 from kirigami.primitives.checks import require_choice, require_not_negative, require_positive
+from kirigami.primitives.hardening import Hardening, YieldCurve, member_curve
 from kirigami.primitives.kernel import EXACT, Array, CompiledKernel, Contribution, Kernel, Tangent, displacement_of
 from kirigami.primitives.node import Node, require_nodes
 from kirigami.primitives.parts import ModelObject, Numbering
@@ -61,11 +62,21 @@ class Bar(ModelObject):
     mass_per_length : float
         Mass over the length without stress at load factor 0 [mass / length]; only where mass matters. The bars of a
         sheet have none: its mass belongs to its facets.
+    yield_force : float, optional
+        Axial force at which the bar yields first, in the measure of its strain [force]; None: it never does. Only with
+        the linear law.
+    hardening : float or array_like, shape (k, 2)
+        How that force grows with the accumulated plastic strain: a modulus [force], or a table of plastic strain and
+        force that does not fall, constant beyond its end.
+    kinematic : float
+        Modulus of linear kinematic hardening [force]: the force about which the bar yields moves by this times the
+        plastic strain.
 
     Raises
     ------
     ModelError
-        EA or rest length not positive and finite, a negative mass, the same node twice, an unknown strain or law.
+        EA or rest length not positive and finite, a negative mass, the same node twice, an unknown strain or law, a
+        table that falls, hardening without a yield force, or a bar that both yields and is driven.
 
     Examples
     --------
@@ -85,6 +96,7 @@ class Bar(ModelObject):
     target_length: float | None
     reached: float | None
     mass_per_length: float
+    yield_curve: YieldCurve | None
 
     def __init__(
         self,
@@ -97,6 +109,9 @@ class Bar(ModelObject):
         law: str = "linear",
         target_length: float | None = None,
         mass_per_length: float = 0.0,
+        yield_force: float | None = None,
+        hardening: float | ArrayLike = 0.0,
+        kinematic: float = 0.0,
     ) -> None:
         require_nodes("Bar", i=i, j=j)
         put = object.__setattr__
@@ -110,6 +125,10 @@ class Bar(ModelObject):
         put(self, "target_length", target)
         put(self, "reached", None)
         put(self, "mass_per_length", require_not_negative(mass_per_length, "mass_per_length", "Bar"))
+        put(self, "yield_curve", member_curve(yield_force, hardening, kinematic, "Bar", "yield_force"))
+        if yield_force is not None and (law != "linear" or target_length is not None):
+            beside = f"has law={law!r}" if law != "linear" else "is driven to a target_length"
+            raise ModelError(f"a Bar that {beside} cannot yield: leave out yield_force, or give it law='linear' alone")
         if i is j:
             raise ModelError(f"Bar from {i!r} to itself: a bar needs two different nodes")
         if law == "ogden" and strain != "green":
@@ -141,18 +160,22 @@ class Bar(ModelObject):
         length = np.where(np.isnan(length), distance, length)
         line = np.array([bar.mass_per_length for bar in objects])
         kernels: list[Kernel] = []
-        groups: dict[tuple[str, str, bool], list[int]] = {}
+        groups: dict[tuple[str, str, bool, bool], list[int]] = {}
         for position, bar in enumerate(objects):
-            groups.setdefault((bar.strain, bar.law, bar.target_length is not None), []).append(position)
-        for (strain, law, _), positions in sorted(groups.items()):
-            members = np.array(positions)
-            targets = targets_of([objects[position] for position in positions], "target_length")
+            key = (bar.strain, bar.law, bar.target_length is not None, bar.yield_curve is not None)
+            groups.setdefault(key, []).append(position)
+        for (strain, law, _, yields), positions in sorted(groups.items()):
+            members, some = np.array(positions), [objects[position] for position in positions]
+            targets = targets_of(some, "target_length")
             mass = line[members] if line[members].any() else None
-            kernels.append(
-                BarKernel(
-                    numbering.rest, conn[members], EA[members], length[members], strain, law, members, targets, mass
-                )
-            )
+            arrays = numbering.rest, conn[members], EA[members], length[members], strain, law, members, targets, mass
+            if yields:
+                from kirigami.elements.member_yield import YieldingBarKernel
+
+                curves = [bar.yield_curve for bar in some]
+                kernels.append(YieldingBarKernel(*arrays, yields=Hardening.of(curves).packed))
+            else:
+                kernels.append(BarKernel(*arrays))
         return kernels
 
 

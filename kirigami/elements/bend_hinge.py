@@ -26,12 +26,13 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from kirigami.elements.angle import AngleKernel
 from kirigami.elements.driven_rest import held_at, targets_of
 from kirigami.errors import ModelError
 from kirigami.primitives.checks import require_finite, require_positive
+from kirigami.primitives.hardening import Hardening, YieldCurve, member_curve
 from kirigami.primitives.kernel import EXACT, Array, CompiledKernel, Contribution, Kernel, Tangent, displacement_of
 from kirigami.primitives.node import Node, require_nodes
 from kirigami.primitives.parts import ModelObject, Numbering
@@ -55,11 +56,20 @@ class BendHinge(ModelObject):
         None takes the angle of the rest state (imperfection included).
     target_angle : float, optional
         Angle without moment at load factor 1 [rad]: it is driven there from the rest angle with the load factor.
+    yield_moment : float, optional
+        Moment at which the hinge yields first [force length]; None: it never does.
+    hardening : float or array_like, shape (k, 2)
+        How that moment grows with the accumulated plastic angle: a stiffness [force length / rad], or a table of angle
+        and moment that does not fall, constant beyond its end.
+    kinematic : float
+        Stiffness of linear kinematic hardening [force length / rad]: the moment about which the hinge yields moves by
+        this times the plastic angle.
 
     Raises
     ------
     ModelError
-        Stiffness not positive and finite, a repeated node, a rest angle that is not finite.
+        Stiffness not positive and finite, a repeated node, a rest angle that is not finite, a table that falls,
+        hardening without a yield moment, or a hinge that both yields and is driven.
 
     Examples
     --------
@@ -78,6 +88,7 @@ class BendHinge(ModelObject):
     rest_angle: float | None
     target_angle: float | None
     reached: float | None
+    yield_curve: YieldCurve | None
 
     def __init__(
         self,
@@ -89,6 +100,9 @@ class BendHinge(ModelObject):
         *,
         rest_angle: float | None = None,
         target_angle: float | None = None,
+        yield_moment: float | None = None,
+        hardening: float | ArrayLike = 0.0,
+        kinematic: float = 0.0,
     ) -> None:
         require_nodes("BendHinge", i=i, j=j, k=k, l=l)
         put = object.__setattr__
@@ -101,6 +115,9 @@ class BendHinge(ModelObject):
         target = None if target_angle is None else require_finite(target_angle, "target_angle", "BendHinge")
         put(self, "target_angle", target)
         put(self, "reached", None)
+        put(self, "yield_curve", member_curve(yield_moment, hardening, kinematic, "BendHinge", "yield_moment"))
+        if target_angle is not None and yield_moment is not None:
+            raise ModelError("a BendHinge that yields cannot be driven: give it target_angle or yield_moment")
         if len({id(i), id(j), id(k), id(l)}) < 4:
             raise ModelError(f"BendHinge on ({i!r}, {j!r}, {k!r}, {l!r}): the four nodes must differ")
 
@@ -130,7 +147,22 @@ class BendHinge(ModelObject):
                     f"{numbering.describe(hinge.nodes[corner])} on the line {numbering.describe(hinge.j)} to "
                     f"{numbering.describe(hinge.k)}: a wing must stand off the line"
                 )
-        return [BendHingeKernel(numbering.rest, conn, stiffness, rest_angle, None, targets_of(objects, "target_angle"))]
+        yields = np.array([hinge.yield_curve is not None for hinge in objects])
+        targets = targets_of(objects, "target_angle")
+        if not yields.any():
+            return [BendHingeKernel(numbering.rest, conn, stiffness, rest_angle, None, targets)]
+        from kirigami.elements.member_yield import YieldingHingeKernel
+
+        kernels: list[Kernel] = []
+        for at in (np.flatnonzero(~yields), np.flatnonzero(yields)):
+            some = [objects[position] for position in at.tolist()]
+            arrays = numbering.rest, conn[at], stiffness[at], rest_angle[at], at, targets_of(some, "target_angle")
+            if some and some[0].yield_curve is None:
+                kernels.append(BendHingeKernel(*arrays))
+            elif some:
+                curves = [hinge.yield_curve for hinge in some]
+                kernels.append(YieldingHingeKernel(*arrays, yields=Hardening.of(curves).packed))
+        return kernels
 
 
 def _wing_vectors(points: Array, conn: NDArray[np.int64]) -> tuple[Array, Array, Array]:
@@ -231,6 +263,11 @@ class BendHingeKernel(AngleKernel):
         np.negative(gradient[:, 1], out=gradient[:, 1])
         return wings, gradient
 
+    def _law(self, excess: Array) -> tuple[Array, Array, Array]:
+        """Energy, moment and its slope, each (n,), at angles beyond those without moment."""
+        moment = self.stiffness * excess
+        return 0.5 * moment * excess, moment, self.stiffness
+
     def compiled(self) -> CompiledKernel | None:
         from kirigami.elements.compiled import CompiledHinges
 
@@ -238,9 +275,7 @@ class BendHingeKernel(AngleKernel):
 
     def evaluate(self, x: Array, lam: float = 1.0, need: int = 2, tangent: Tangent = EXACT) -> Contribution:
         vectors = self.vectors(x)
-        excess = self.unwrap(self.raw_angle(*vectors)) - self.rest_angle_at(lam)
-        moment = self.stiffness * excess
-        energy = 0.5 * moment * excess
+        energy, moment, slope = self._law(self.unwrap(self.raw_angle(*vectors)) - self.rest_angle_at(lam))
         if need == 0:
             return Contribution(energy)
         wings, angle_gradient = self.first_derivatives(*vectors)
@@ -253,7 +288,7 @@ class BendHingeKernel(AngleKernel):
             some = slice(start, start + AT_ONCE)
             self.second_derivatives(
                 hessian[..., some],
-                self.stiffness[some],
+                slope[some],
                 moment[some],
                 vectors[0][:, some],
                 [tuple(part[..., some] for part in wing) for wing in wings],

@@ -9,6 +9,7 @@ points over the whole thickness are off by 3.9 %, and by 2 % where all of it flo
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 
 from kirigami.elements.plane_stress import PlaneStress
 from kirigami.primitives.hardening import Hardening
@@ -37,7 +38,7 @@ class Layers:
         self.thickness, self.E, self.nu, self.hardening = thickness, E, nu, hardening
         self._equal, self._shear = 0.25 * (E / (1 - nu)) ** 2, 0.75 * (E / (1 + nu)) ** 2
 
-    def select(self, which: Array) -> Layers:
+    def select(self, which: NDArray[np.int64]) -> Layers:
         """Those of some facets."""
         return type(self)(self.thickness[which], self.E[which], self.nu[which], self.hardening.select(which))
 

@@ -58,7 +58,7 @@ class PlaneStress:
     def energy(self, strain: Array, state: Array) -> Array:
         """The energy W (n,) at a state (n, 4): plastic strains, and the accumulated one."""
         beyond = strain - state[:, :3]
-        stored = 0.5 * (beyond * self.elastic(beyond)).sum(axis=1)
+        stored: Array = 0.5 * (beyond * self.elastic(beyond)).sum(axis=1)
         return stored + self.stored_behind(state) + self.hardening.dissipated(state[:, 3])
 
     def stored_behind(self, state: Array) -> Array:

@@ -132,12 +132,8 @@ class ShellFacet(ModelObject):
         if any(getattr(facet.material, "yields", False) for facet in objects):
             from kirigami.elements.shell_yield import YieldingShellKernel, yield_constants
 
-            constants = yield_constants(objects)
-            return [
-                YieldingShellKernel(
-                    numbering.rest, conn, sections, edges.forward, density, planes=planes, **constants
-                )
-            ]
+            arrays = numbering.rest, conn, sections, edges.forward, density
+            return [YieldingShellKernel(*arrays, None, planes, **yield_constants(objects))]
         return [ShellFacetKernel(numbering.rest, conn, sections, edges.forward, density, planes=planes)]
 
 

@@ -51,7 +51,7 @@ class Flown:
     state: Array
 
 
-def yield_constants(objects: Sequence[Any]) -> dict[str, Array]:
+def yield_constants(objects: Sequence[Any]) -> dict[str, Any]:
     """Thickness, elastic constants and yield curves of facets, as the kernel takes them."""
     curves, constants = [], np.empty((3, len(objects)))
     for position, facet in enumerate(objects):
@@ -65,7 +65,7 @@ def yield_constants(objects: Sequence[Any]) -> dict[str, Array]:
         curves.append(material.yield_curve if yields else None)
         constants[:, position] = (facet.thickness, material.E, material.nu) if yields else (facet.thickness, 1.0, 0.0)
     thickness, E, nu = constants
-    return {"thickness": thickness, "E": E, "nu": nu, **Hardening.of(curves).arrays()}
+    return {"thickness": thickness, "E": E, "nu": nu, "yields": Hardening.of(curves).packed}
 
 
 class YieldingShellKernel(ShellFacetKernel):
@@ -89,13 +89,10 @@ class YieldingShellKernel(ShellFacetKernel):
         thickness: Array,
         E: Array,
         nu: Array,
-        yield_strain: Array,
-        yield_stress: Array,
-        yield_beyond: Array,
-        yield_kinematic: Array,
+        yields: Array,
     ) -> None:
         super().__init__(rest, conn, section, forward, density, members, planes, natural)
-        self.hardening = Hardening(yield_strain, yield_stress, yield_beyond, yield_kinematic)
+        self.hardening = Hardening.unpacked(yields)
         self.layers = Layers(thickness, E, nu, self.hardening)
         self._facets = np.zeros(0, dtype=np.int64)  # those that have yielded, in their order
         self._states = np.zeros((0, POINTS, LAYERS, 4))
@@ -103,7 +100,7 @@ class YieldingShellKernel(ShellFacetKernel):
 
     def arrays(self) -> dict[str, Any]:
         own = {name: getattr(self.layers, name) for name in ("thickness", "E", "nu")}
-        return {**super().arrays(), **own, **self.hardening.arrays()}
+        return {**super().arrays(), **own, "yields": self.hardening.packed}
 
     def actuate(self, facets: NDArray[np.int64], local: Array, constant: bool) -> None:
         super().actuate(facets, local, constant)
@@ -210,7 +207,7 @@ class YieldingShellKernel(ShellFacetKernel):
             found[self._facets] = self.chart.area[self._facets] / POINTS * lost.sum(axis=1)
         return found
 
-    def force_on(self, x: Array, lam: float) -> Array:
+    def force_of(self, x: Array, lam: float) -> Array:
         """Mean forces and moments per length (n, 6)."""
         return np.asarray(self.point_forces(x, lam).mean(axis=1))
 

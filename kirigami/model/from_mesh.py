@@ -18,6 +18,7 @@ from kirigami.errors import KirigamiWarning, ModelError
 from kirigami.geometry.fold_line import FoldEdges
 from kirigami.geometry.mesh import TriMesh
 from kirigami.geometry.topology import pair_keys
+from kirigami.model.edge_yield import EdgeYield
 from kirigami.model.properties import Materials, Thickness, facet_properties
 from kirigami.primitives.checks import require_instance
 from kirigami.primitives.kernel import Array
@@ -58,19 +59,31 @@ def sheet_parts(
         return nodes, [*_facets(nodes, mesh, constants), *_creases(nodes, mesh, constants)], constants
     hinges = _fold_hinges(nodes, mesh, constants) if dim == 3 else []
     if rung == "facet":
+        if any(getattr(each, "yields", False) for each in constants.materials):
+            warnings.warn(
+                "flat facets stay elastic: results tell what is strained beyond the yield_stress of the material, but "
+                "nothing yields; use stiffness='shell', or bars and hinges as of 'plate', or hardening=None in the "
+                "Material if that is what you want",
+                KirigamiWarning,
+                stacklevel=4,
+            )
         return nodes, [*_facets(nodes, mesh, constants), *hinges], constants
     E = constants.of_facets("E")
     EA = bar_stiffness(mesh, height, E, calibration.F_s).tolist()
+    curves = EdgeYield(mesh, constants) if any(getattr(each, "yields", False) for each in constants.materials) else None
     elements: list[ModelObject] = [
-        Bar(nodes[j], nodes[k], value) for (j, k), value in zip(mesh.edges.tolist(), EA)
+        Bar(nodes[j], nodes[k], value, **({} if curves is None else curves.of_bar(edge, value)))
+        for edge, ((j, k), value) in enumerate(zip(mesh.edges.tolist(), EA))
     ]
     if dim == 3:
         inner = np.flatnonzero((mesh.edge_facets[:, 1] >= 0) & ~mesh.edge_folded)
         rigidity = hinge_stiffness(mesh, height, E, constants.of_facets("c"))[inner].tolist()
         edges, wings = mesh.edges[inner].tolist(), mesh.edge_wings[inner].tolist()
         elements += [
-            BendHinge(nodes[i], nodes[j], nodes[k], nodes[other], value)
-            for (j, k), (i, other), value in zip(edges, wings, rigidity)
+            BendHinge(
+                nodes[i], nodes[j], nodes[k], nodes[other], value, **({} if curves is None else curves.of_hinge(edge))
+            )
+            for edge, (j, k), (i, other), value in zip(inner.tolist(), edges, wings, rigidity)
         ]
     return nodes, [*elements, *hinges], constants
 

@@ -77,8 +77,8 @@ def checked_curve(yields_at: float, hardening: Any, kinematic: float, owner: str
             continue
         if not a > strain[-1]:
             raise ModelError(
-                f"{owner}: row {number} of hardening: plastic strain must grow from row to row and start at 0 or above, "
-                f"got {a:.6g} after {strain[-1]:.6g}"
+                f"{owner}: row {number} of hardening: plastic strain must grow from row to row and start at 0 or "
+                f"above, got {a:.6g} after {strain[-1]:.6g}"
             )
         if value < stress[-1]:
             raise ModelError(
@@ -89,6 +89,37 @@ def checked_curve(yields_at: float, hardening: Any, kinematic: float, owner: str
         strain.append(a)
         stress.append(value)
     return YieldCurve(tuple(strain), tuple(stress), 0.0, back)
+
+
+def member_curve(yields_at: float | None, hardening: Any, kinematic: float, owner: str, name: str) -> YieldCurve | None:
+    """The curve of a member, None where it never yields."""
+    if yields_at is not None:
+        return checked_curve(yields_at, hardening, kinematic, owner, name)
+    if checked_table(hardening, owner) != 0.0 or require_not_negative(kinematic, "kinematic", owner):
+        raise ModelError(f"{owner}: hardening needs a {name}, at which it begins")
+    return None
+
+
+def bent(curve: YieldCurve, thickness: float) -> YieldCurve:
+    """Moment per length over plastic curvature of a sheet in cylindrical bending, where all of it flows.
+
+    A fibre at the height z has the plastic strain k z, in von Mises' measure 2 / sqrt(3) of it, and the stress
+    2 / sqrt(3) sigma_y: M = 2 / sqrt(3) int |z| sigma_y(2 / sqrt(3) k |z|) dz, which is
+    2 / sqrt(3) sigma_y t^2 / 4 at first. A table is followed at a few curvatures.
+    """
+    factor, half = 2 / np.sqrt(3), 0.5 * thickness
+    first, slope = factor * thickness**2 / 4, factor**2 * thickness**3 / 12
+    if len(curve.strain) == 1:
+        return YieldCurve((0.0,), (first * curve.stress[0],), slope * curve.beyond, slope * curve.kinematic)
+    at_face = [a * share for a, b in zip(curve.strain[1:], (*curve.strain[2:], 4 * curve.strain[-1]))
+               for share in np.linspace(1, b / a, 5)[:-1]]  # fmt: skip
+    places, weights = np.polynomial.legendre.leggauss(40)
+    z, w = 0.5 * half * (places + 1), half * weights  # both halves
+    inner = [curve.strain[1] * share for share in (0.25, 0.5, 0.75)]
+    curvature = np.array([*inner, *at_face, 4 * curve.strain[-1], 16 * curve.strain[-1]]) / (factor * half)
+    stress = np.interp(factor * curvature[:, None] * z, curve.strain, curve.stress)
+    moment = np.maximum.accumulate([first * curve.stress[0], *(factor * (stress * z) @ w)])
+    return YieldCurve((0.0, *curvature.tolist()), tuple(moment.tolist()), 0.0, slope * curve.kinematic)
 
 
 class Hardening:
@@ -132,9 +163,16 @@ class Hardening:
                 beyond[row], kinematic[row] = curve.beyond, curve.kinematic
         return cls(strain, stress, beyond, kinematic)
 
-    def arrays(self) -> dict[str, Array]:
-        """By the names of the constructor, behind ``yield_``."""
-        return {f"yield_{name}": getattr(self, name) for name in ("strain", "stress", "beyond", "kinematic")}
+    @property
+    def packed(self) -> Array:
+        """All in one array (n, 2 k + 2), as kernels keep it in files."""
+        return np.column_stack([self.strain, self.stress, self.beyond, self.kinematic])
+
+    @classmethod
+    def unpacked(cls, values: Array) -> Hardening:
+        """From what :attr:`packed` made."""
+        count = values.shape[1] // 2 - 1
+        return cls(values[:, :count], values[:, count:-2], values[:, -2], values[:, -1])
 
     def select(self, members: NDArray[Any]) -> Hardening:
         """Those of some members, in the order given, also with repetitions."""

@@ -292,7 +292,7 @@ class Kernel:
         """The part (n,) of the energy at `x` that is lost to plastic work; None where nothing is."""
         return None
 
-    def force_on(self, x: Array, lam: float) -> Array:
+    def force_of(self, x: Array, lam: float) -> Array:
         """What the members answer (n, ...) at `x`, where history counts as well."""
         return self.force_at(self.deformation(x), lam)
 

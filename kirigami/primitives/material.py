@@ -73,9 +73,8 @@ def _check_density(material: Any, owner: str) -> None:
 class Material(SheetMaterial):
     """Isotropic material of a sheet: linear elastic and, where a yield stress is given, plastic beyond it.
 
-    What yields, on which rung: see :doc:`yield`. Shell facets yield layer by layer (von Mises), bars and hinges by their
-    own force and moment; where a rung or an analysis stays elastic, results tell of what is strained beyond the yield
-    stress.
+    Shell facets yield layer by layer (von Mises), bars and hinges by their own force and moment. Where a rung or an
+    analysis stays elastic, results tell of what is strained beyond the yield stress.
 
     Parameters
     ----------
@@ -339,7 +338,8 @@ def to_words(material: SheetMaterial) -> Any:
         elastic = [material.E, material.nu, material.density]  # as files of earlier versions have it
         if material.yield_stress is None:
             return elastic
-        return {"class": "Material", "values": [*elastic, material.yield_stress, material.hardening, material.kinematic]}
+        plastic = [material.yield_stress, material.hardening, material.kinematic]
+        return {"class": "Material", "values": [*elastic, *plastic]}
     if isinstance(material, Orthotropic):
         values = [material.E1, material.E2, material.nu12, material.G12, material.angle, material.density]
         return {"class": "Orthotropic", "values": values}

@@ -200,7 +200,7 @@ class Results(ModelRecord):
     def member_force(self, kernel: Kernel, step: Step) -> Array:
         """Force or moment (members, ...) of a kernel at a step; to first order for a linear analysis."""
         if not self.linear:
-            found: Array = self.evaluate_at(kernel, step, lambda x: kernel.force_on(x, step.lam))
+            found: Array = self.evaluate_at(kernel, step, lambda x: kernel.force_of(x, step.lam))
             return found
         felt = self.member_deformation(kernel, step)
         return linear_force(kernel, kernel.deformation(self.configuration()), felt, step.lam)

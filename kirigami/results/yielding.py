@@ -7,14 +7,17 @@ material at both faces of every facet.
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 
-from kirigami.elements.shell_kernel import ShellFacetKernel
+from kirigami.errors import AnalysisError
 from kirigami.primitives.kernel import Array, Kernel
-from kirigami.results.recovery import BENDING, MEMBRANE, Recovery
 from kirigami.results.results import Results
-from kirigami.results.sheet_state import matched
 from kirigami.results.step import Event, Step
+
+if TYPE_CHECKING:
+    from kirigami.results.recovery import Recovery
 
 BARS = ("bars", "hinges")
 
@@ -56,6 +59,8 @@ class YieldWatch:
         if mesh is None:
             members = np.concatenate([on for _, on in flowed])
             return float(members.mean()), False
+        from kirigami.results.sheet_state import matched  # a truss needs none
+
         over = np.zeros(len(mesh.triangles), dtype=bool)
         for kernel, on in flowed:
             if kernel.surface:
@@ -67,7 +72,7 @@ class YieldWatch:
                 facets = mesh.edge_facets[edges[on[rows]]].ravel()
                 over[facets[facets >= 0]] = True
         elastic = np.zeros_like(over)
-        if self.watched:
+        if self.watched and self.limit is not None:
             elastic = self._stress(step) > self.limit
         area = mesh.facet_areas
         return float(area[over | elastic].sum() / area.sum()), bool(elastic.any())
@@ -75,6 +80,8 @@ class YieldWatch:
     def _stress(self, step: Step) -> Array:
         """Von Mises' stress (m,) of plate theory at the face where it is larger."""
         results = self.results
+        from kirigami.results.recovery import BENDING, MEMBRANE, Recovery
+
         mesh, constants = results.mesh, results.sheet_constants
         assert mesh is not None and constants is not None
         if self.recovery is None:
@@ -95,7 +102,7 @@ class YieldWatch:
         """What to tell of the first step that is over."""
         lam = step.lam
         bracket = (lam if before is None else before.lam, lam)
-        where = f"at load factor {lam:.6g}" if before is None else f"between load factors {bracket[0]:.6g} and {lam:.6g}"
+        where = f"between load factors {bracket[0]:.6g} and {lam:.6g}" if before else f"at load factor {lam:.6g}"
         what = f"{100 * step.yielded:.2g} % of {'the sheet' if self.results.mesh is not None else 'the members'}"
         if elastic:
             message = f"strained beyond the yield stress {where}, but elastic in this run: {what}"
@@ -160,7 +167,7 @@ def facet_plastic_strain(results: Results, step: int | None = None) -> Array:
     >>> facet_plastic_strain(kg.DisplacementControl(m).run())[-1].round(3).tolist()  # strain less yield_stress / E
     [0.009, 0.009]
     """
-    from kirigami.errors import AnalysisError
+    from kirigami.results.sheet_state import matched
 
     mesh = results.mesh
     if mesh is None:
@@ -171,7 +178,7 @@ def facet_plastic_strain(results: Results, step: int | None = None) -> Array:
     for row, one in zip(found, chosen):
         for kernel in kernels:
             strain = results.evaluate_at(kernel, one, lambda x: kernel.plastic())  # noqa: B023
-            if isinstance(kernel, ShellFacetKernel):
+            if kernel.surface:
                 rows, at = matched(kernel.conn[:, :3], mesh.triangles)
                 row[at] = np.maximum(row[at], strain[rows])
             elif kernel.name in BARS:

@@ -22,6 +22,7 @@ from kirigami.system.system import System
 
 LIMIT_TOLERANCE = 1e-7  # relative error in load to which limit points are located
 BIFURCATION_TOLERANCE = 1e-4  # share of the range of load factors to which bifurcations are located
+KINK = 1e-2  # share of the rate at both sides below which none falls at a kink
 SAME_PLACE = 0.02  # share of an increment within which a limit point and a change of stability are one
 JUMP = 20.0  # growth of the mean speed along an increment beyond which displacements jump
 ASIDE = 1e-6  # growth of the critical mode, as a share of all displacements, that shows an imperfection
@@ -287,8 +288,13 @@ def _at(run: PathRun, before: Point, way: float) -> Place:
 def _locate_limit_point(
     run: PathRun, before: Point, after: Point, increment: float, rates: tuple[float, float]
 ) -> Place:
-    """The place of extreme load factor between two points: regula falsi (Illinois) on the rate of the load factor."""
+    """The place of extreme load factor between two points: regula falsi (Illinois) on the rate of the load factor.
+
+    Where something yields or comes in touch the rate jumps, and no place has a small one: then it is the end of the
+    bracket that lies further up, or down.
+    """
     low, high = 0.0, increment
+    ends = {low: Place(low, before), high: Place(high, after)}
     f_low, f_high = rates
     best, best_rate = Place(low, before), abs(f_low)
     if abs(f_high) < best_rate:
@@ -304,6 +310,7 @@ def _locate_limit_point(
             place = _at(run, before, trial)
         except LostPathError:
             break
+        ends[trial] = place
         rate = _load_rate(run, place.point, before, after)
         if abs(rate) < best_rate:
             best, best_rate = place, abs(rate)
@@ -313,6 +320,9 @@ def _locate_limit_point(
         else:
             high, f_high, f_low = trial, rate, f_low / 2 if side == 1 else f_low
             side = 1
+    if best_rate > KINK * min(map(abs, rates)):
+        sense = 1.0 if rates[0] > 0 else -1.0
+        return max((ends[low], ends[high]), key=lambda place: sense * place.point.state.lam)
     return best
 
 
