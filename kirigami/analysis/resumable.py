@@ -13,6 +13,7 @@ from kirigami.errors import ConvergenceError, KirigamiWarning
 from kirigami.linalg import one_thread
 from kirigami.primitives.checks import require_boolean, require_callable, require_choice, require_items, require_path
 from kirigami.progress import ProgressBar, progress_bar
+from kirigami.results.crossing import note_crossings
 from kirigami.results.results import Results
 from kirigami.results.step import Event, Step
 from kirigami.system.system import System
@@ -126,6 +127,7 @@ class Resumable(Analysis):
                 warnings.warn(message, KirigamiWarning, stacklevel=2)
             except ConvergenceError as error:
                 self._write(walk)
+                note_crossings(results)
                 walk.finish()
                 if on_failure == "raise":
                     raise
@@ -133,6 +135,7 @@ class Resumable(Analysis):
                 results.events.append(Event("failed", lam, len(results) - 1, str(error)))
                 warnings.warn(str(error), KirigamiWarning, stacklevel=2)
         self._write(walk)
+        note_crossings(results)
         return walk.finish()
 
     @staticmethod
