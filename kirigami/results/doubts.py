@@ -49,7 +49,7 @@ def doubts(results: Results) -> list[str]:
     mesh = results.mesh
     if mesh is None:
         return yield_words(results)
-    told = [*words_on_crossings(results), *_ligaments(results, mesh), *_free_edges(results, mesh), *yield_words(results)]
+    told = words_on_crossings(results) + _ligaments(results, mesh) + _free_edges(results, mesh) + yield_words(results)
     constants = results.sheet_constants
     if len(results) and constants is not None and all(m.yield_stress is None for m in constants.materials):
         told += _strain(results, mesh)
