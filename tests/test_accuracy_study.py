@@ -119,7 +119,7 @@ def test_runs_on_another_shape_are_told_and_not_compared(tmp_path: Path) -> None
 
 
 def test_prints_of_shapes_know_reflections_and_sides() -> None:
-    from kirigami.study.shape_print import print_distance, shape_print
+    from kirigami.study.shape.prints import print_distance, shape_print
 
     sheet = kg.Sheet(shapely.box(0, 0, 3, 2), thickness=0.02, material=kg.Material(E=1e6, nu=0.3))
 

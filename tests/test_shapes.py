@@ -13,9 +13,9 @@ import shapely
 
 import kirigami as kg
 from kirigami.model.from_mesh import on_rung
-from kirigami.study.relaxation import Relaxer
-from kirigami.study.shape_space import ShapeSpace, is_flat_sheet
-from kirigami.study.shape_trials import Descents
+from kirigami.study.shape.relaxation import Relaxer
+from kirigami.study.shape.space import ShapeSpace, is_flat_sheet
+from kirigami.study.shape.trials import Descents
 
 LOAD = -1e-3
 
@@ -139,10 +139,10 @@ def test_a_descent_goes_on_as_long_as_it_goes_down(
     start = sheet_study[0].step.u * [1, 1, 1.2]
     reached = Relaxer(m, 1.0, 1e-8).relax(start)
     monkeypatch.setattr("kirigami.analysis.path.run.MAX_RELAXATION", 5)
-    monkeypatch.setattr("kirigami.study.relaxation.MAX_RELAXATION", 5)
+    monkeypatch.setattr("kirigami.study.shape.relaxation.MAX_RELAXATION", 5)
     again = Relaxer(m, 1.0, 1e-8).relax(start)
     assert again.step.stable and again.energy == pytest.approx(reached.energy, rel=1e-9)
-    monkeypatch.setattr("kirigami.study.relaxation.ROUNDS", 1)
+    monkeypatch.setattr("kirigami.study.shape.relaxation.ROUNDS", 1)
     with pytest.raises(kg.ConvergenceError, match="too many iterations"):
         Relaxer(m, 1.0, 1e-8).relax(start)
 
@@ -214,6 +214,9 @@ def test_the_same_shapes_whoever_computes() -> None:
         two = kg.study.shapes(chain([0.5, 0.4]), **arguments(), executor=pool)
     assert [shape.energy for shape in one] == [shape.energy for shape in two]
     assert [row["reached_by"] for row in one.trials] == [row["reached_by"] for row in two.trials]
+    three = kg.study.shapes(chain([0.5, 0.4]), **arguments(), workers=2)
+    assert [shape.energy for shape in one] == [shape.energy for shape in three]
+    assert [row["reached_by"] for row in one.trials] == [row["reached_by"] for row in three.trials]
     other = kg.study.shapes(chain([0.5, 0.4]), **arguments(), seed=1)
     assert [row["reached_by"] for row in one.trials] != [row["reached_by"] for row in other.trials]
 

@@ -14,7 +14,7 @@ import pytest
 from matplotlib import pyplot
 
 import kirigami as kg
-from kirigami.study.shape_space import ShapeSpace
+from kirigami.study.shape.space import ShapeSpace
 
 
 def plate(columns: int = 5, rows: int = 5, length: float = 1.0) -> kg.Model:

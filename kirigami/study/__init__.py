@@ -12,9 +12,9 @@ from kirigami.study.measured import Comparison, Measured, compare, read_measured
 from kirigami.study.mesh_choice import MeshChoice, MeshRun, choose_mesh
 from kirigami.study.places import Place, place
 from kirigami.study.report import Report, stretch_drawing, write_report
-from kirigami.study.shape_links import Branch, Link
-from kirigami.study.shape_study import Shape, ShapeStudy
-from kirigami.study.shapes import shapes
+from kirigami.study.shape.links import Branch, Link
+from kirigami.study.shape.shapes import shapes
+from kirigami.study.shape.study import Shape, ShapeStudy
 
 __all__ = [
     "AccuracyStudy",

@@ -29,7 +29,7 @@ from kirigami.primitives.kernel import Array
 from kirigami.primitives.node import Node
 from kirigami.results.results import Results
 from kirigami.study.reference import QUANTITIES, Reference, limit_reference, read_reference
-from kirigami.study.shape_print import print_distance, shape_print
+from kirigami.study.shape.prints import print_distance, shape_print
 from kirigami.sweep.sweep import Sweep
 from kirigami.sweep.table import SweepTable
 

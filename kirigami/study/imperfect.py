@@ -20,7 +20,7 @@ from kirigami.model.model import Model
 from kirigami.primitives.checks import require_finite, require_whole
 from kirigami.primitives.kernel import Array
 from kirigami.study.quadrature import POINTS, WEIGHTS
-from kirigami.study.shape_space import FLAT
+from kirigami.study.shape.space import FLAT
 from kirigami.system.supports import rigid_unknowns
 from kirigami.system.system import System
 

@@ -36,7 +36,7 @@ from kirigami.primitives.kernel import Array
 from kirigami.primitives.rigid import rigid_motions
 from kirigami.results.results import Results
 from kirigami.study.imperfect import SHARE
-from kirigami.study.shape_space import FLAT, ShapeSpace
+from kirigami.study.shape.space import FLAT, ShapeSpace
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

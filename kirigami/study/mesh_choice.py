@@ -280,7 +280,7 @@ def shape_distance(one: Results, other: Results) -> float:
     """
     from scipy.spatial import KDTree
 
-    from kirigami.study.shape_space import ShapeSpace, _barycentric
+    from kirigami.study.shape.space import ShapeSpace, _barycentric
 
     mesh, second = one.mesh, other.mesh
     assert mesh is not None and second is not None

@@ -199,7 +199,7 @@ def stretch(
 
 def look_for_shapes(results: Results, seed: int, progress: bool, say: Callable[[str], None]) -> None:
     """Search for the shapes of a sheet at the furthest step of a pull, and note in the results which one that is."""
-    from kirigami.study.shapes import shapes
+    from kirigami.study.shape.shapes import shapes
 
     end = results.steps[int(np.abs(results.lam).argmax())]
     say(f"looking for other shapes at load factor {end.lam:g}")

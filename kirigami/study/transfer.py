@@ -20,7 +20,7 @@ from kirigami.model.model import Model
 from kirigami.primitives.kernel import Array
 from kirigami.results.results import Results
 from kirigami.results.step import Step
-from kirigami.study.shape_space import _barycentric
+from kirigami.study.shape.space import _barycentric
 from kirigami.system.system import System
 
 Index = NDArray[np.int64]

@@ -90,6 +90,21 @@ def test_energy_is_kept_through_the_snap_of_a_shell(rung: str, nx: int, end: flo
     assert run.stats["energy_drift"] <= 1e-4
 
 
+@pytest.mark.long
+def test_energy_is_kept_while_an_arch_swings_after_its_snap() -> None:
+    """Loaded at once by 1.3 of its static limit load it snaps through, and swings on for sixty milliseconds."""
+    m, start, middle, side = arch(12, "shell")
+    control = (m.nodes[middle[0]], "z")
+    path = kg.DisplacementControl(m, to=-side * 5e-4, control=control, start=start, on_instability="follow").run()
+    (limit,) = [event for event in path.events if event.kind == "limit point"]
+    load = 1.3 * limit.lam
+    run = kg.Dynamics(m, end=0.06, step=1e-4, start=start, load=load).run()
+    z = side * run.u[:, middle[0], 2]
+    assert z[0] > 5e-3 and z.min() < -5e-3
+    total = sum(run.energy.values()) + load * run.u[:, middle, 2].mean(axis=1) * side
+    assert np.abs(total - total[0]).max() <= 1e-4 * run.energy["kinetic"].max()
+
+
 def test_the_damped_scheme_never_gains_energy_in_a_snap() -> None:
     m, start, middle, side = arch(4, "plate")
     run = kg.Dynamics(m, end=0.02, step=4e-4, start=start, load=3.5, scheme="damped").run()

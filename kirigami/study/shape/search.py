@@ -19,12 +19,12 @@ from kirigami.model.model import Model
 from kirigami.primitives.kernel import Array
 from kirigami.progress import ProgressBar
 from kirigami.results.step import Step
-from kirigami.study.known_shapes import Kind, KnownShapes
-from kirigami.study.relaxation import Relaxed, Relaxer
-from kirigami.study.shape_links import Branch, Link, follow
-from kirigami.study.shape_study import Shape, ShapeStudy
-from kirigami.study.shape_trials import Descents, TrialLog, from_text, running, start_of
-from kirigami.study.trial_moves import Moves
+from kirigami.study.shape.known import Kind, KnownShapes
+from kirigami.study.shape.links import Branch, Link, follow
+from kirigami.study.shape.moves import Moves
+from kirigami.study.shape.relaxation import Relaxed, Relaxer
+from kirigami.study.shape.study import Shape, ShapeStudy
+from kirigami.study.shape.trials import Descents, TrialLog, from_text, running, start_of
 
 CHEAP, TRUSTED = "plate", "shell"
 OWN = ("", CHEAP, "paper", "calibration")  # searched as they are: no sheets, cheap ones, and other constants

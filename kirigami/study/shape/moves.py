@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from kirigami.model.model import Model
 from kirigami.primitives.kernel import Array
 from kirigami.study.imperfections import seeds
-from kirigami.study.shape_space import Reflections, is_flat_sheet
+from kirigami.study.shape.space import Reflections, is_flat_sheet
 from kirigami.system.system import System
 
 Integers = NDArray[np.int64]

@@ -12,7 +12,7 @@ from kirigami.plot import style
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from kirigami.study.shape_study import ShapeStudy
+    from kirigami.study.shape.study import ShapeStudy
 
 COLORS = (style.BLUE, style.VERMILION, style.GREEN, "#cc79a7", "#e69f00", "#56b4e9")
 DRAWN = 3  # shapes drawn as pictures

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from kirigami.primitives.kernel import Array
-from kirigami.study.shape_space import ShapeSpace
+from kirigami.study.shape.space import ShapeSpace
 from kirigami.system.system import System
 
 AGREE = 0.01  # relative difference of energies and of forces up to which shapes may be the same: meshes are not even

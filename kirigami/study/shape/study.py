@@ -15,9 +15,9 @@ from kirigami.files import whole_file
 from kirigami.model.model import Model
 from kirigami.primitives.checks import require_instance, require_path
 from kirigami.results.step import Step
-from kirigami.study.known_shapes import KnownShapes
-from kirigami.study.relaxation import Relaxed, Relaxer
-from kirigami.study.shape_links import Branch, Link
+from kirigami.study.shape.known import KnownShapes
+from kirigami.study.shape.links import Branch, Link
+from kirigami.study.shape.relaxation import Relaxed, Relaxer
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -234,7 +234,7 @@ class ShapeStudy:
         ModelError
             There is no shape.
         """
-        from kirigami.study.shape_picture import draw_shapes
+        from kirigami.study.shape.picture import draw_shapes
 
         return draw_shapes(self)
 

@@ -20,8 +20,8 @@ from kirigami.files import whole_file
 from kirigami.model.model import Model
 from kirigami.primitives.kernel import Array
 from kirigami.study.imperfect import bending_field
-from kirigami.study.relaxation import Relaxer
-from kirigami.study.trial_moves import Moves, Trial
+from kirigami.study.shape.moves import Moves, Trial
+from kirigami.study.shape.relaxation import Relaxer
 from kirigami.sweep.workers import Row, failure, message_of, runner_for
 
 FIRST, EVERY, SEEDED = 4, 3, 12  # the first trials and every third, so many in all, start from fields and modes
@@ -54,9 +54,8 @@ def start_of(
 class Descents:
     """Runs trials: in this process, or in others; a callable that can be sent to them."""
 
-    __qualname__ = "descent to a stable shape"
-
     def __init__(self, model: Model, at: float, tol: float) -> None:
+        self.__qualname__ = "descent to a stable shape"  # in messages; on the class it would break pickling
         self.at, self.tol = at, tol
         self._model = pickle.dumps(model)
         self._key = zlib.crc32(self._model)

@@ -22,8 +22,8 @@ from kirigami.primitives.checks import (
 )
 from kirigami.progress import progress_bar
 from kirigami.results.step import Step
-from kirigami.study.shape_search import ShapeSearch
-from kirigami.study.shape_study import ShapeStudy
+from kirigami.study.shape.search import ShapeSearch
+from kirigami.study.shape.study import ShapeStudy
 
 
 def shapes(

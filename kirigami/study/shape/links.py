@@ -14,7 +14,7 @@ from kirigami.model.model import Model
 from kirigami.primitives.kernel import Array
 from kirigami.results.results import Results
 from kirigami.results.step import Step
-from kirigami.study.relaxation import Relaxer
+from kirigami.study.shape.relaxation import Relaxer
 
 BEYOND = 1.25  # load factor up to which a shape is followed, over that of the search
 LOST = ("snap", "jump")  # events at which a path goes over to another shape
