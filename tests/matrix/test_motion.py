@@ -1,4 +1,4 @@
-"""Motion on every rung and hand-built structure, and with every effect: other statements of a problem, energy, files."""
+"""Motion on every rung and structure, and with every effect: other statements of a problem, energy, files."""
 
 from __future__ import annotations
 
@@ -77,7 +77,7 @@ def motion(case: str, change: str = "") -> kg.Results:
     """The supports begin to move, and the loads act at once."""
     m = model_of(case, CHANGES.get(change, SAME))
     return kg.Dynamics(
-        m, end=COUNT * STEP, step=STEP, load=lambda t: (t / (COUNT * STEP)) ** 2,
+        m, end=COUNT * STEP, step=STEP, load=lambda t: (t / (5 * STEP)) ** 2,
         histories=dict.fromkeys(m.loads, 1.0), tol=1e-11,
     ).run()  # fmt: skip
 
