@@ -82,6 +82,9 @@ _HOME = {
     "latin_hypercube": "sweep.sampling",
     "LoadCase": "study.load_case",
     "stretch": "study.stretch",
+    "Design": "design.design",
+    "Inverse": "design.inverse",
+    "InverseResult": "design.answer",
     "KirigamiError": "errors",
     "GeometryError": "errors",
     "ModelError": "errors",
@@ -112,6 +115,9 @@ if TYPE_CHECKING:
     from kirigami.analysis.path.methods import ArcLength as ArcLength
     from kirigami.analysis.path.methods import DisplacementControl as DisplacementControl
     from kirigami.analysis.path.methods import LoadControl as LoadControl
+    from kirigami.design.answer import InverseResult as InverseResult
+    from kirigami.design.design import Design as Design
+    from kirigami.design.inverse import Inverse as Inverse
     from kirigami.effects.angle_limit import AngleLimit as AngleLimit
     from kirigami.effects.contact import Contact as Contact
     from kirigami.effects.contact import Cylinder as Cylinder

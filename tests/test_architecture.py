@@ -24,6 +24,7 @@ FLOORS = [
     {"results"},
     {"analysis", "plot", "io"},
     {"lattice", "study"},
+    {"design"},
     {"__init__"},
     {"cli"},
 ]

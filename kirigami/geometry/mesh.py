@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from kirigami.deferred import deferred
 from kirigami.errors import GeometryError
 from kirigami.geometry.fold_line import FoldEdges
 from kirigami.geometry.topology import (
@@ -402,6 +403,8 @@ class TriMesh:
         """Copy with all coordinates times ``factor``; the thickness stays as it is."""
         factor = require_positive(factor, "factor", "TriMesh.scaled", GeometryError)
         return self._copy(self.nodes * factor, self.sets, self._given_cuts)
+
+    moved = deferred("kirigami.geometry.moving:moved")
 
     def _copy(self, nodes: Floats, sets: Mapping[str, ArrayLike], cuts: Sequence[CutLoop] | None) -> TriMesh:
         return TriMesh(

@@ -16,7 +16,8 @@ NOT_CALLED: dict[str, str] = {
         """Mode Results Step Event Rigidity Framework bloch.GuestMode tilings.Gap tilings.Neck stiffness.SheetConstants
         study.AccuracyStudy study.Bracket study.Branch study.Case study.ErrorEstimate study.ImperfectionStudy study.Link
         study.MeshChoice study.MeshRun study.Report study.Report.text study.Shape study.ShapeStudy
-        study.write_report study.Comparison study.Measured study.Place study.Place.*""".split(),
+        study.write_report InverseResult InverseResult.*
+        study.Comparison study.Measured study.Place study.Place.*""".split(),
         ANSWER,
     ),
     **dict.fromkeys(
@@ -33,7 +34,7 @@ NOT_CALLED: dict[str, str] = {
         System.displacement System.forces System.imbalance System.l*
         System.matrix System.motion System.small_displacement System.plan_with System.potential_rate System.re*
         System.start_stage System.stiffness_blocks System.unknowns System.drive_at System.known*
-        System.factored System.straighten""".split(),
+        System.factored System.straighten Design.derivatives""".split(),
         STEPS,
     ),
     "Normal": "made by the rung that needs it",
@@ -82,6 +83,7 @@ ACCEPTED: dict[tuple[str, str], tuple[str, tuple[str, ...]]] = {
     ("DisplacementControl", "targets"): ("no targets", ("empty list",)),
     ("LoadControl", "targets"): ("no targets", ("empty list",)),
     ("Sheet", "cuts"): ("no cuts", ("empty list",)),
+    ("Design", "cuts"): ("no cuts", ("empty list",)),
     ("Sheet", "folds"): ("no folds", ("empty list",)),
     ("TriMesh", "folds"): ("no folds", ("empty list",)),
     ("TriMesh.with_folds", "folds"): ("no folds", ("empty list",)),

@@ -25,6 +25,21 @@ def folder() -> Path:
 
 
 @cache
+def take_size(size: float) -> float:
+    return size
+
+
+def hold(m: kg.Model) -> None:
+    m.add(kg.Fix(m.select(boundary="bottom")), kg.Prescribe(m.select(boundary="top"), x=0, y=0.01, z=0))
+
+
+def drawn() -> kg.Design:
+    return kg.Design(
+        (), outline=[(0, 0), (1, 0), (1, 2), (0, 2)], supports=hold, thickness=take_size, material=kg.Material(E=1e6),
+        mesh={"max_edge": 1.0}, stiffness="plate", imperfection=0, size=(0.1, 0.05, 0.2),
+    )  # fmt: skip
+
+
 def mesh() -> kg.TriMesh:
     x, y = np.meshgrid(np.linspace(0, 1, 4), np.linspace(0, 1, 4))
     corners = [4 * row + column for row in range(3) for column in range(3)]
@@ -278,6 +293,7 @@ CALLS: dict[str, Callable[[], Call]] = {
     "TriMesh.scaled": lambda: (mesh().scaled, {"factor": 2.0}),
     "TriMesh.with_cuts": lambda: (mesh().with_cuts, {"cuts": mesh().cuts}),
     "TriMesh.with_folds": lambda: (mesh().with_folds, {"folds": [kg.FoldEdges([(0, 5)])]}),
+    "TriMesh.moved": lambda: (mesh().moved, {"nodes": [0, 1, 2, 3], "places": mesh().nodes[:4, :2]}),
     "TriMesh.with_sets": lambda: (mesh().with_sets, {"mine": [0, 1]}),
     "LinearStatic": lambda: (kg.LinearStatic, {"model": truss()}),
     "LinearStatic.run": lambda: (kg.LinearStatic(truss()).run, {}),
@@ -381,6 +397,27 @@ CALLS: dict[str, Callable[[], Call]] = {
     "units.unit_for": lambda: (units("unit_for"), {"value": 0.02, "kind": "length"}),
     "Turn": lambda: (kg.Turn, {"nodes": kg.Node(1, 0), "angle": 30.0, "axis": "z", "about": (0, 0)}),
     "Turn.held": lambda: (kg.Turn(kg.Node(1, 0), 30.0).held, {"lam": 0.5}),
+    "Design": lambda: (kg.Design, {
+        "cuts": [], "outline": [(0, 0), (1, 0), (1, 2), (0, 2)], "supports": hold, "thickness": take_size,
+        "material": kg.Material(E=1e6), "mesh": {"max_edge": 1.0}, "stiffness": "plate", "imperfection": 0.01,
+        "seed": 0, "size": (0.1, 0.05, 0.2),
+    }),
+    "Design.at": lambda: (drawn().at, {"size": 0.12}),
+    "Design.finer": lambda: (drawn().finer, {"factor": 1.2}),
+    "Design.ligament": lambda: (drawn().ligament, {}),
+    "Design.model": lambda: (drawn().model, {}),
+    "Design.remeshed": lambda: (drawn().remeshed, {"max_edge": 0.9}),
+    "Design.sheet": lambda: (drawn().sheet, {}),
+    "Design.span": lambda: (drawn().span, {"name": "size"}),
+    "Design.walk": lambda: (drawn().walk, {"targets": [1.0]}),
+    "Inverse": lambda: (kg.Inverse, {
+        "design": drawn(), "targets": [(("energy",), 1.0, 1.0)], "constraints": [("ligament", 0.1, None)],
+        "method": "slsqp", "evaluations": 5, "tolerance": 0.1, "corrections": 0, "finer": 1.5,
+        "path": folder() / "search.json",
+    }),
+    "Inverse.run": lambda: (
+        kg.Inverse(drawn(), (("energy",), 1.0, 1.0), corrections=None, evaluations=2).run, {"progress": False}
+    ),
     "LoadCase": lambda: (
         kg.LoadCase,
         {"strain": 0.1, "grip": 0.1, "shear": 0.1, "twist": 1.0, "weight": 1.0, "lift": {"top": 0.1}, "hold": "left"},

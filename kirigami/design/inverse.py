@@ -1,0 +1,389 @@
+"""Inverse problems: the parameters of a design that make its sheet do what is wanted."""
+
+from __future__ import annotations
+
+import json
+import os
+import warnings
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from kirigami.design.answer import InverseResult
+from kirigami.design.branch import Branch, rates
+from kirigami.design.design import Design
+from kirigami.design.methods import METHODS, OutOfEvaluationsError, chosen_method, optimise
+from kirigami.design.targets import Bound, Target, bounds_of, load_factors, targets_of
+from kirigami.errors import AnalysisError, GeometryError, KirigamiError, KirigamiWarning, ModelError
+from kirigami.files import whole_file
+from kirigami.primitives.checks import (
+    require_boolean,
+    require_choice,
+    require_instance,
+    require_not_negative,
+    require_path,
+    require_positive,
+    require_whole,
+)
+from kirigami.primitives.kernel import Array
+from kirigami.results.gradients.functionals import tell_of
+
+CLOSE = 1e-6  # error of a target, over its size, at which a search may end
+VERIFIED = 0.03  # error on the finer mesh up to which an answer counts as verified
+
+
+@dataclass
+class Trial:
+    """One design tried: its parameters, errors by target, values of the bounds, and derivatives of both."""
+
+    x: Array
+    told: Array
+    errors: Array
+    slopes: Array
+    bounds: Array
+    bound_slopes: Array
+    worth: float
+
+
+class Inverse:
+    """Find the parameters of a design that make its sheet do what is wanted.
+
+    Each design goes on from the equilibria of the last one; where its branch ends, or the shape leaps, it is walked
+    from flat once more. Derivatives are those of the adjoint method. The answer is walked from flat on a finer mesh,
+    and the targets are corrected by the difference until it is met there.
+
+    Parameters
+    ----------
+    design : Design
+        Where to start.
+    targets : tuple or sequence of tuples
+        ``(functional, load factors, values)``, with functionals as of :meth:`Results.gradient`; of values "max" or
+        "min" ask for as much or as little as can be. A fourth entry is the size by which its errors are divided,
+        instead of the largest value. Values are met in the least-squares sense.
+    constraints : sequence of tuples
+        ``("ligament", low, high)``: least distance of cuts; ``("cut_area", low, high)``: area of all openings as drawn;
+        ``(function of the design, low, high)``; ``(functional, load factor, low, high)``. None is no bound.
+    method : {"auto", "least squares", "slsqp", "mma"}
+        "auto" takes least squares, and with constraints or wishes "mma" where NLopt is installed (the extra `design`),
+        else "slsqp".
+    evaluations : int
+        Most designs to try, in each round of correction.
+    tolerance : float
+        Error on the finer mesh up to which the answer counts as verified.
+    corrections : int
+        How often the targets are corrected by the finer mesh; with None nothing is walked on a finer one.
+    finer : float
+        How many times shorter its edges are.
+    path : str or Path, optional
+        File in which every design tried is kept; a search that finds it goes on from the best of them.
+
+    Raises
+    ------
+    ModelError
+        Targets or constraints that say nothing, unknown methods, a design of which no parameter has a range.
+    AnalysisError
+        In a run: the design it starts from cannot be walked.
+
+    Examples
+    --------
+    How thick a strip must be to bear 1.2 N when it is pulled by a hundredth:
+
+    >>> import shapely, kirigami as kg
+    >>> def pulled(m):
+    ...     top = m.select(boundary="top")
+    ...     m.add(kg.Fix(m.select(boundary="bottom")), kg.Fix(top, "xz"), kg.Prescribe(top, y=0.01))
+    >>> design = kg.Design((), outline=shapely.box(0, 0, 0.3, 1), supports=pulled, thickness=(0.0005, 0.0001, 0.001),
+    ...                    material=kg.Material(E=1e6), mesh={"max_edge": 0.4}, imperfection=0)
+    >>> found = kg.Inverse(design, (("force", "driven_0", "y"), 1.0, 1.2), corrections=None).run()
+    >>> found.status, round(found.values["thickness"] * 1e3, 2)
+    ('met', 0.39)
+    """
+
+    def __init__(
+        self,
+        design: Design,
+        targets: Any,
+        constraints: Sequence[Any] = (),
+        *,
+        method: str = "auto",
+        evaluations: int = 40,
+        tolerance: float = VERIFIED,
+        corrections: int | None = 2,
+        finer: float = 2.0,
+        path: str | os.PathLike[str] | None = None,
+    ) -> None:
+        self.design = require_instance(design, Design, "design", "Inverse")
+        if not self.design.free:
+            raise ModelError("Inverse: no parameter of the design has a range: give one as name=(start, low, high)")
+        self.targets: list[Target] = targets_of(targets)
+        self.constraints: list[Bound] = bounds_of(constraints)
+        self.method = chosen_method(
+            require_choice(method, ("auto", *METHODS), "method", "Inverse"), design, self.targets, self.constraints
+        )
+        self.evaluations = require_whole(evaluations, "evaluations", "Inverse", 1)
+        self.tolerance = require_positive(tolerance, "tolerance", "Inverse")
+        self.corrections = None if corrections is None else require_whole(corrections, "corrections", "Inverse", 0)
+        self.finer = require_positive(finer, "finer", "Inverse")
+        require_not_negative(self.finer - 1, "finer - 1", "Inverse")
+        self.path = None if path is None else require_path(path, "path", "Inverse")
+
+    def run(self, progress: bool | Callable[[int, dict[str, float], float], Any] = False) -> InverseResult:
+        """Search.
+
+        Parameters
+        ----------
+        progress : bool or callable
+            True prints each design tried; ``progress(number, values, error)`` is called with it.
+        """
+        if not callable(progress):
+            require_boolean(progress, "progress", "Inverse.run")
+        return _Search(self, progress).run()
+
+
+class _Search:
+    """One run of an inverse problem."""
+
+    def __init__(self, problem: Inverse, progress: Any) -> None:
+        self.problem, self.progress = problem, progress
+        self.design = problem.design
+        self.history: list[dict[str, Any]] = []
+        self.best: Trial | None = None
+        self.shift = [np.zeros(len(target.lam)) for target in problem.targets]
+        self.lams = load_factors(problem.targets, problem.constraints)
+        self._resume()
+        self.branch = Branch(self.design, self.lams)
+        for target in problem.targets:
+            if np.isnan(target.scale):  # a wish is measured by what the start does
+                at = self.branch.at[self.lams.index(float(target.lam[0]))]
+                told = abs(at.told(self._tell(target.functional)).value)
+                object.__setattr__(target, "scale", told or 1.0)
+
+    # ---- one design
+
+    def _tell(self, functional: Any) -> Any:
+        return tell_of(functional, self.branch.results, "Inverse")
+
+    def trial(self, x: Array) -> Trial | None:
+        """A design by its parameters; None where it does not exist or cannot be walked."""
+        if self.best is not None and np.array_equal(x, self.best.x) and self.best.told.size:
+            return self.best
+        if len(self.history) - self.begun >= self.problem.evaluations:
+            raise OutOfEvaluationsError
+        try:
+            with warnings.catch_warnings():
+                warnings.simplefilter("ignore", KirigamiWarning)
+                design = self.design.at(self._inside(x))
+                if design.mesh.min_angle < 10.0:
+                    design = self._mesh_anew(design)
+                self.branch.go_to(design)
+            found = self._evaluated(x)
+        except (GeometryError, AnalysisError, ModelError) as error:
+            if isinstance(error, ModelError) and "functional" in str(error):
+                raise
+            self._note(x, float("nan"), str(error))
+            return None
+        if self.best is None or found.worth < self.best.worth:
+            self.best = found
+        self._note(x, float(np.abs(found.errors).max(initial=0.0)))
+        return found
+
+    def _inside(self, x: Array) -> Array:
+        ends = np.array([self.design.bounds[name] for name in self.design.free])
+        return np.clip(x, ends[:, 0], ends[:, 1])
+
+    def _mesh_anew(self, design: Design) -> Design:
+        warnings.warn("Inverse: the mesh got poor and was made anew", KirigamiWarning, stacklevel=2)
+        design = design.remeshed()
+        self.design = design
+        self.branch = Branch(design, self.lams)
+        return design
+
+    def _evaluated(self, x: Array) -> Trial:
+        problem, branch = self.problem, self.branch
+        adjoints, told, errors, scales = [], [], [], []
+        for target, shift in zip(problem.targets, self.shift):
+            tell = self._tell(target.functional)
+            for lam, wanted, moved in zip(target.lam.tolist(), target.values, shift):
+                at = branch.at[self.lams.index(lam)]
+                answer = at.told(tell)
+                adjoints.append(at.adjoint(answer))
+                told.append(answer.value)
+                scale = target.wish / target.scale if target.wish else 1.0 / target.scale
+                scales.append(scale)
+                errors.append(np.nan if target.wish else (answer.value - wanted + moved) * scale)
+        count = len(adjoints)
+        stated = [bound for bound in problem.constraints if not bound.drawn]
+        for bound in stated:
+            at = branch.at[self.lams.index(bound.lam)]
+            adjoints.append(at.adjoint(at.told(self._tell(bound.what))))
+        slopes = rates(branch.design, adjoints)
+        bounds, bound_slopes, row = [], [], count
+        for bound in problem.constraints:
+            if bound.drawn:
+                bounds.append(bound.of(branch.design))
+                bound_slopes.append(bound.rates_of(branch.design))
+            else:
+                bounds.append(adjoints[row].told.value)
+                bound_slopes.append(slopes[row])
+                row += 1
+        values, size = np.array(errors), np.array(scales)
+        wishes = np.isnan(values)
+        wished = float((np.array(told)[wishes] * size[wishes]).sum())
+        outside = sum(
+            max(bound.low - value, value - bound.high, 0.0) / (abs(value) or 1.0)
+            for bound, value in zip(problem.constraints, bounds)
+        )
+        worth = 0.5 * float((values[~wishes] ** 2).sum()) + wished + 1e3 * outside
+        return Trial(
+            x.copy(), np.array(told), np.where(wishes, 0.0, values), slopes[:count] * size[:, None], np.array(bounds),
+            np.array(bound_slopes).reshape(len(bounds), len(x)), worth,
+        )  # fmt: skip
+
+    def wishes(self, trial: Trial) -> tuple[float, Array]:
+        """What is to be small, and its derivatives: half the squared errors, and what is wished for."""
+        wished = np.concatenate([np.full(len(target.lam), target.wish != 0) for target in self.problem.targets])
+        scales = np.concatenate([
+            np.full(len(target.lam), (target.wish or 1.0) / target.scale) for target in self.problem.targets
+        ])
+        value = 0.5 * float((trial.errors**2).sum()) + float((trial.told * scales)[wished].sum())
+        slope = trial.errors @ trial.slopes + trial.slopes[wished].sum(axis=0)
+        return value, slope
+
+    # ---- what is kept
+
+    def _note(self, x: Array, error: float, why: str = "") -> None:
+        values = dict(zip(self.design.free, map(float, x)))
+        self.history.append({"values": values, "error": error, "why": why})
+        if self.problem.path is not None:
+            text = json.dumps({"names": list(values), "history": self.history})
+            with whole_file(self.problem.path) as file:
+                file.write_text(text)
+        if callable(self.progress):
+            self.progress(len(self.history), values, error)
+        elif self.progress:
+            told = ", ".join(f"{name}={value:.6g}" for name, value in values.items())
+            print(f"{len(self.history):4d}  error {error:.3e}  {told}" + (f"  ({why})" if why else ""))
+
+    def _resume(self) -> None:
+        path = self.problem.path
+        if path is None or not Path(path).exists():
+            return
+        try:
+            stored = json.loads(Path(path).read_text())
+            history, names = stored["history"], stored["names"]
+        except (ValueError, KeyError, TypeError):
+            raise AnalysisError(f"Inverse: {path} is no file of an earlier search: give another path") from None
+        if names != self.design.free:
+            raise AnalysisError(f"Inverse: {path} is of a design with other parameters: {', '.join(names)}")
+        known = [entry for entry in history if entry["error"] == entry["error"]]
+        if known:
+            self.design = self.design.at(min(known, key=lambda entry: float(entry["error"]))["values"])
+        self.history = history
+
+    # ---- the search
+
+    def run(self) -> InverseResult:
+        problem, self.begun = self.problem, len(self.history)
+        status, first = "closest", self.trial(self.design.vector)
+        if first is None:
+            raise AnalysisError(f"Inverse: the design it starts from fails: {self.history[-1]['why']}")
+        start, before = self.design, first
+        fine: list[Array] = []
+        error = float("nan")
+        corrected = 0
+        try:
+            while True:
+                self.begun = len(self.history)
+                try:
+                    status = optimise(problem.method, self)
+                except OutOfEvaluationsError:
+                    status = "out of evaluations"
+                assert self.best is not None
+                if problem.corrections is None:
+                    break
+                fine, error = self._on_finer_mesh()
+                if error <= problem.tolerance / 3 or corrected >= problem.corrections:
+                    break
+                corrected += 1
+                self._correct(fine)
+        except KeyboardInterrupt:
+            status = "interrupted"
+        return self._answer(status, start, before, fine, error)
+
+    def _on_finer_mesh(self) -> tuple[list[Array], float]:
+        assert self.best is not None
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", KirigamiWarning)
+            design = self.design.at(self._inside(self.best.x)).finer(self.problem.finer)
+            try:
+                branch = Branch(design, self.lams)
+            except KirigamiError:
+                return [], float("inf")
+        self.branch.walks += branch.walks
+        self.branch.factorizations += branch.factorizations
+        found, worst = [], 0.0
+        for target in self.problem.targets:
+            tell = tell_of(target.functional, branch.results, "Inverse")
+            told = np.array([branch.at[self.lams.index(lam)].told(tell).value for lam in target.lam.tolist()])
+            found.append(told)
+            if not target.wish:
+                worst = max(worst, float(np.abs(told - target.values).max() / target.scale))
+        return found, worst
+
+    def _correct(self, fine: list[Array]) -> None:
+        """Ask of the coarse mesh what the finer one lacks."""
+        assert self.best is not None
+        if not fine:
+            return
+        split = np.cumsum([len(target.lam) for target in self.problem.targets])[:-1]
+        self.shift = [
+            there - here for there, here in zip(fine, np.split(self.best.told, split))
+        ]
+        x, self.best = self.best.x, None
+        self.trial(x)
+
+    def _answer(
+        self, status: str, start: Design, first: Trial, fine: list[Array], error: float
+    ) -> InverseResult:
+        problem, best = self.problem, self.best
+        assert best is not None
+        split = np.cumsum([len(target.lam) for target in problem.targets])[:-1]
+        coarse = np.split(best.told, split)
+        met = float(np.abs(best.errors).max(initial=0.0))
+        inside = all(
+            bound.low - 1e-6 * abs(value) <= value <= bound.high + 1e-6 * abs(value)
+            for bound, value in zip(problem.constraints, best.bounds)
+        )
+        own = max(
+            (float(np.abs(told - target.values).max() / target.scale)
+             for told, target in zip(coarse, problem.targets) if not target.wish),
+            default=0.0,
+        )  # fmt: skip
+        if status == "closest" and met <= 1e-3 and inside:
+            status = "met"
+        messages = {
+            "met": "the targets are met on the mesh of the design",
+            "closest": f"the targets are out of reach: the nearest design misses them by {100 * met:.3g} %",
+            "out of evaluations": f"the evaluations ran out at an error of {100 * met:.3g} %: allow more",
+            "interrupted": f"interrupted; the best design so far misses its targets by {100 * met:.3g} %",
+        }
+        wished = all(target.wish for target in problem.targets)
+        if wished and status == "closest":
+            messages["closest"] = "nothing better was found"
+        if not inside:
+            messages[status] += "; its constraints are not met"
+        _, slope = self.wishes(best)
+        return InverseResult(
+            design=self.design.at(self._inside(best.x)), start=start,
+            values=dict(zip(self.design.free, map(float, best.x))),
+            error=error if fine else own, coarse_error=met,
+            verified=bool(fine) and error <= problem.tolerance and inside,
+            status=status, message=messages[status], lam=[target.lam for target in problem.targets],
+            wanted=[target.values for target in problem.targets], reached=fine, coarse=coarse,
+            before=np.split(first.told, split), names=[target.name for target in problem.targets], history=self.history,
+            evaluations=len(self.history), walks=self.branch.walks, factorizations=self.branch.factorizations,
+            sensitivities=dict(zip(self.design.free, map(float, slope))),
+        )  # fmt: skip

@@ -1,0 +1,72 @@
+"""One picture of an inverse problem: what was wanted and reached, the sheet before and after, and the parameters."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from kirigami.plot import style
+from kirigami.plot.undeformed import plot_sheet
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from kirigami.design.answer import InverseResult
+
+
+@style.styled
+def plot_result(result: InverseResult) -> Figure:
+    """Draw the answer of an inverse problem: each target, the sheet before and after, and the course of the search.
+
+    Parameters
+    ----------
+    result : InverseResult
+        The answer.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+    """
+    from matplotlib.figure import Figure
+
+    count = len(result.lam)
+    columns = count + 3
+    figure = Figure(figsize=(3.2 * columns, 3.2), layout="constrained")
+    axes: Any = np.atleast_1d(figure.subplots(1, columns))
+    for number, ax in enumerate(axes[:count]):
+        lam = result.lam[number]
+        order = np.argsort(lam)
+        lines = [("wanted", result.wanted, "black", "o"), ("start", result.before, "#999999", ""),
+                 ("found", result.coarse, style.BLUE, "")]  # fmt: skip
+        if result.reached:
+            lines.append(("found, finer mesh", result.reached, style.VERMILION, "x"))
+        for label, values, color, marker in lines:
+            ax.plot(
+                lam[order], values[number][order], color=color, marker=marker, lw=0 if label == "wanted" else 1.2,
+                label=label,
+            )  # fmt: skip
+        ax.set(xlabel="load factor", title=result.names[number].replace("_", " "))
+        ax.legend(frameon=False)
+    for ax, title, design in ((axes[-3], "start", result.start), (axes[-2], "found", result.design)):
+        plot_sheet(design.sheet(), ax=ax)
+        ax.set_title(title)
+    _changes(axes[-1], result)
+    return figure
+
+
+def _changes(ax: Any, result: InverseResult) -> None:
+    """How far each parameter went, as a share of its range, and which way it would still pull."""
+    names = list(result.values)
+    span = np.array([result.design.span(name) for name in names])
+    moved = (result.design.vector - result.start.vector) / span
+    ax.barh(np.arange(len(names)), moved, color=style.BLUE, height=0.5)
+    pull = -np.array([result.sensitivities.get(name, 0.0) for name in names]) * span
+    largest = float(np.abs(pull).max(initial=0.0))
+    if largest > 0:
+        reach = max(0.3 * float(np.abs(moved).max(initial=0.0)), 0.02)
+        for row, (at, way) in enumerate(zip(moved, pull / largest * reach)):
+            ax.annotate("", (at + way, row), (at, row), arrowprops={"arrowstyle": "->", "color": style.VERMILION})
+    ax.set_yticks(np.arange(len(names)), names)
+    ax.axvline(0, color="black", lw=0.6)
+    ax.set(xlabel="change over its range", title="parameters")

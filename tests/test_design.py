@@ -1,0 +1,136 @@
+"""Sheets that move with a few numbers."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+import shapely
+
+import kirigami as kg
+from kirigami.results.gradients.equilibrium import Equilibrium, prepared
+from kirigami.results.gradients.functionals import tell_of
+
+BOX = shapely.box(0, 0, 0.1, 0.08)
+
+
+def cuts(inner, edge, tilt):
+    """A slit inside that turns, and one from either side."""
+    across = 0.035 * inner * np.array([np.cos(tilt), np.sin(tilt)])
+    middle = np.array([0.05, 0.025])
+    return [
+        shapely.LineString([middle - across, middle + across]),
+        shapely.LineString([(0, 0.055), (0.03 * edge, 0.055)]),
+        shapely.LineString([(0.1 - 0.03 * edge, 0.055), (0.1, 0.055)]),
+    ]
+
+
+def pulled(m):
+    top = m.select(boundary="top")
+    m.add(kg.Fix(m.select(boundary="bottom"), clamp=True), kg.Fix(top, "xz", clamp=True), kg.Prescribe(top, y=0.003))
+
+
+def design(**more):
+    given = {
+        "outline": BOX, "supports": pulled, "thickness": (8e-4, 4e-4, 2e-3), "material": kg.Material(2e9, 0.3),
+        "mesh": {"max_edge": 0.03, "cut_edge": 0.025}, "inner": (1.0, 0.5, 1.3), "edge": (1.0, 0.5, 1.4),
+        "tilt": (0.1, -0.5, 0.5),
+    }  # fmt: skip
+    return kg.Design(cuts, **{**given, **more})
+
+
+def test_moved_mesh_is_that_of_the_moved_cuts():
+    start = design()
+    moved = start.at(inner=0.8, edge=1.2, tilt=-0.2)
+    assert np.array_equal(moved.mesh.triangles, start.mesh.triangles)
+    assert moved.mesh.facet_areas.sum() == pytest.approx(BOX.area, rel=1e-12)
+    for number, line in enumerate(moved.sheet().cuts):
+        points = [shapely.Point(place) for place in moved.mesh.nodes[moved.mesh.cuts[number].loop, :2]]
+        assert max(line.distance(point) for point in points) < 1e-12
+        ends = [shapely.Point(place) for place in line.coords]
+        assert all(min(end.distance(point) for point in points) < 1e-12 for end in ends)
+
+
+def test_a_mesh_whose_rim_moves_rigidly_moves_rigidly():
+    """Also where small facets are stiffer: rigid motions strain nothing."""
+    mesh = design().mesh
+    rim = np.unique(np.concatenate(mesh.boundary_loops))
+    turn = np.array([[np.cos(0.3), -np.sin(0.3)], [np.sin(0.3), np.cos(0.3)]])
+    moved = mesh.moved(rim, mesh.nodes[rim, :2] + (0.01, 0.02))
+    assert np.allclose(moved.nodes[:, :2], mesh.nodes[:, :2] + (0.01, 0.02), atol=1e-12)
+    small = 1e-6 * mesh.nodes[:, :2] @ (turn - turn.T) / 2
+    spun = mesh.moved(rim, mesh.nodes[rim, :2] + small[rim])
+    assert np.allclose(spun.nodes[:, :2], mesh.nodes[:, :2] + small, atol=1e-13)
+
+
+def test_where_it_goes_does_not_depend_on_the_way():
+    start = design()
+    there = start.at(inner=0.9).at(inner=0.7, edge=1.1)
+    assert np.array_equal(there.mesh.nodes, start.at(inner=0.7, edge=1.1).mesh.nodes)
+
+
+@pytest.mark.parametrize("stiffness", ["plate", "facet", "shell"])
+def test_gradient_by_parameters_against_differences(stiffness):
+    here = design(stiffness=stiffness)
+    res = here.walk([1.0])
+    asked = [("force", "driven_0", "y"), ("open_area",), ("energy",), ("height",)]
+    found = res.gradient(asked, here)
+    u = prepared(res.model).joined(res[-1].u, res[-1].inner)
+    for name in here.values:
+        step = 2e-5 * here.span(name)
+        sides = []
+        for sign in (2, 1, -1, -2):
+            system = prepared(here._with({name: here.values[name] + sign * step}).model(), res[-1].history)
+            state = Equilibrium(system, u, 1.0)
+            sides.append([state.told(tell_of(item, res)).value for item in asked])
+        far, near, back, behind = np.array(sides)
+        differences = (8 * (near - back) - (far - behind)) / (12 * step)
+        assert [rates[name] for rates in found] == pytest.approx(differences, rel=1e-6)
+
+
+def test_finer_and_remeshed():
+    start = design().at(inner=0.8)
+    assert len(start.finer().mesh.nodes) > 1.4 * len(start.mesh.nodes)
+    again = start.remeshed()
+    assert again.values == start.values
+    assert again.mesh.min_angle > 20
+
+
+# ---- bad input
+
+
+def test_cuts_that_meet_or_change():
+    with pytest.raises(kg.GeometryError, match="meet at"):
+        design(edge=(1.0, 0.5, 3.0)).at(edge=1.9)
+    with pytest.raises(kg.GeometryError, match="reaches|leaves"):
+        design(inner=(1.0, 0.5, 3.0)).at(inner=1.9, tilt=0.0)
+
+    def more(count):
+        return [shapely.LineString([(0.02, 0.01 * k + 0.01), (0.05, 0.01 * k + 0.01)]) for k in range(int(count))]
+
+    with pytest.raises(kg.GeometryError, match="number must stay"):
+        kg.Design(
+            more, outline=BOX, supports=pulled, thickness=1e-3, material=kg.Material(1e9), count=(2, 1, 5),
+            mesh={"max_edge": 0.03},
+        ).at(count=3)  # fmt: skip
+
+
+def test_parameters():
+    with pytest.raises(kg.ModelError, match="no function takes 'width'"):
+        design(width=1.0)
+    with pytest.raises(kg.ModelError, match="between 0.5 and 1.3"):
+        design().at(inner=2.0)
+    with pytest.raises(kg.ModelError, match="there is no"):
+        design().at(length=2.0)
+    with pytest.raises(kg.ModelError, match="range"):
+        design(inner=(2.0, 0.5, 1.3))
+
+
+def test_moved_refuses_what_turns_facets_over():
+    mesh = kg.Sheet(BOX).mesh(0.03)
+    corner = mesh.boundary("outer")
+    places = mesh.nodes[corner, :2].copy()
+    places[0] += (0.2, 0.2)
+    with pytest.raises(kg.GeometryError, match="turn over"):
+        mesh.moved(corner, places)
+    with pytest.raises(kg.GeometryError, match="different numbers"):
+        mesh.moved([0, 0], [[0, 0], [0, 0]])

@@ -1,0 +1,144 @@
+"""Designs found again from what they do, within bounds, told where they cannot be, and kept when interrupted."""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+import pytest
+import shapely
+
+import kirigami as kg
+
+BOX = shapely.box(0, 0, 0.1, 0.08)
+FORCE = ("force", "driven_0", "y")
+
+
+def cuts(inner, edge):
+    return [
+        shapely.LineString([(0.05 - 0.035 * inner, 0.025), (0.05 + 0.035 * inner, 0.025)]),
+        shapely.LineString([(0, 0.055), (0.03 * edge, 0.055)]),
+        shapely.LineString([(0.1 - 0.03 * edge, 0.055), (0.1, 0.055)]),
+    ]
+
+
+def pulled(m):
+    top = m.select(boundary="top")
+    m.add(kg.Fix(m.select(boundary="bottom"), clamp=True), kg.Fix(top, "xz", clamp=True), kg.Prescribe(top, y=0.002))
+
+
+def design(**more):
+    given = {
+        "outline": BOX, "supports": pulled, "thickness": 1e-3, "material": kg.Material(2e9, 0.3),
+        "mesh": {"max_edge": 0.03, "cut_edge": 0.03}, "inner": (1.0, 0.5, 1.2), "edge": (1.0, 0.5, 1.4),
+    }  # fmt: skip
+    return kg.Design(cuts, **{**given, **more})
+
+
+def forces(found, lams):
+    res = found.walk(lams, tol=1e-11)
+    return np.array([res.reaction("driven_0", "y")[int(np.argmin(abs(res.lam - lam)))] for lam in lams])
+
+
+def test_hidden_cuts_are_found_from_a_force_and_a_shape():
+    start, lams = design(), [0.5, 1.0]
+    hidden = start.at(inner=0.85, edge=1.15)
+    goal = hidden.walk(lams, tol=1e-11)
+    wanted = [float(goal.open_area()[int(np.argmin(abs(goal.lam - lam)))].sum()) for lam in lams]
+    found = kg.Inverse(
+        start, [(FORCE, lams, forces(hidden, lams)), (("open_area",), lams, wanted)], corrections=None
+    ).run()
+    assert found.status == "met"
+    assert found.coarse_error < 1e-4
+    assert found.values == pytest.approx(hidden.values, rel=1e-3)
+    assert forces(found.design, lams) == pytest.approx(forces(hidden, lams), rel=1e-3)  # walked from flat once more
+
+
+def test_modulus_and_thickness_are_told_from_a_strip_that_hangs_and_is_pulled():
+    """E t from the pull, E t^3 from the weight at its end: a calibration with two unknowns."""
+
+    def held(m):
+        m.add(kg.Fix(m.select(boundary="left"), clamp=True))
+        m.add(kg.NodalLoad(m.select(boundary="right"), (40.0, 0, 0.004)))
+
+    known = {"E": 2e9, "thickness": 1e-3}
+    start = kg.Design(
+        (), outline=shapely.box(0, 0, 0.1, 0.02), supports=held, mesh={"max_edge": 0.025}, imperfection=0,
+        material=lambda E: kg.Material(E, 0.3), E=(1.6e9, 1e9, 4e9), thickness=(1.2e-3, 5e-4, 2e-3),
+    )  # fmt: skip
+    hidden = start.at(known).walk([1.0])
+    asked = [("position", "right", "x"), ("position", "right", "z")]
+    targets = [
+        (lambda x, f: float(x[hidden.node_index("right"), 0].mean()) - 0.1, 1.0,
+         float(hidden.position("right")[-1, :, 0].mean()) - 0.1),
+        (asked[1], 1.0, float(hidden.position("right")[-1, :, 2].mean())),
+    ]  # fmt: skip
+    found = kg.Inverse(start, targets, corrections=None).run()
+    assert found.values == pytest.approx(known, rel=1e-4)
+
+
+@pytest.mark.parametrize("method", ["slsqp", "mma"])
+def test_the_widest_opening_within_a_ligament(method):
+    """Longer slits open wider, so that the bound on the ligament decides."""
+    if method == "mma":
+        pytest.importorskip("nlopt")
+    start = design(inner=(0.9, 0.5, 1.2), edge=1.0)
+    kept = ("ligament", 0.05 - 0.035 * 1.1, None)
+    found = kg.Inverse(start, (("open_area",), 1.0, "max"), [kept], method=method, corrections=None).run()
+    assert found.values["inner"] == pytest.approx(1.1, abs=2e-3)
+    assert found.design.ligament() >= kept[1] * (1 - 1e-6)
+
+
+def test_what_is_out_of_reach_is_told():
+    found = kg.Inverse(design(), (FORCE, 1.0, 1e6), corrections=None, evaluations=12).run()
+    assert found.status in ("closest", "out of evaluations")
+    assert not found.verified
+    assert found.coarse_error > 0.1
+    assert "%" in found.message
+
+
+def test_an_interrupted_search_keeps_its_best_and_goes_on(tmp_path):
+    lams, path = [1.0], tmp_path / "search.json"
+    start = design(edge=1.0)
+    wanted = forces(start.at(inner=0.8), lams)
+
+    def stop(number, values, error):
+        if number == 2:
+            raise KeyboardInterrupt
+
+    first = kg.Inverse(start, (FORCE, lams, wanted), corrections=None, path=path).run(progress=stop)
+    assert first.status == "interrupted"
+    assert len(json.loads(path.read_text())["history"]) == 2
+    again = kg.Inverse(start, (FORCE, lams, wanted), corrections=None, path=path).run()
+    assert again.status == "met"
+    assert len(again.history) > 2
+    assert again.history[2]["values"] == pytest.approx(first.values)
+    assert again.values["inner"] == pytest.approx(0.8, abs=1e-4)
+
+
+@pytest.mark.long
+def test_answer_is_walked_on_a_finer_mesh():
+    start = design(edge=1.0)
+    wanted = forces(start.at(inner=0.9).finer(1.5), [1.0])
+    found = kg.Inverse(start, (FORCE, 1.0, wanted), finer=1.5, corrections=2).run()
+    fine = forces(found.design.finer(1.5), [1.0])
+    assert found.reached[0] == pytest.approx(fine, rel=1e-6)
+    assert found.error == pytest.approx(abs(fine[0] / wanted[0] - 1), abs=1e-6)
+    assert found.verified == (found.error < 0.03)
+    assert found.verified
+    assert found.plot().axes
+
+
+def test_bad_input():
+    with pytest.raises(kg.ModelError, match="a target is"):
+        kg.Inverse(design(), [("force", 1.0)])
+    with pytest.raises(kg.ModelError, match="'max' or 'min'"):
+        kg.Inverse(design(), (FORCE, 1.0, "most"))
+    with pytest.raises(kg.ModelError, match="target of zero"):
+        kg.Inverse(design(), (FORCE, 1.0, 0.0))
+    with pytest.raises(kg.ModelError, match="leaves no room"):
+        kg.Inverse(design(), (FORCE, 1.0, 1.0), [("ligament", 2.0, 1.0)])
+    with pytest.raises(kg.ModelError, match="knows no constraints"):
+        kg.Inverse(design(), (FORCE, 1.0, 1.0), [("ligament", 0.001, None)], method="least squares")
+    with pytest.raises(kg.ModelError, match="finite"):
+        kg.Inverse(design(), (lambda x, f: float("nan"), 1.0, 1.0), corrections=None).run()
