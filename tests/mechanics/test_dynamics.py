@@ -294,6 +294,27 @@ def test_what_cannot_move_as_asked_is_refused() -> None:
             kg.Dynamics(**{"model": spring(), "end": 1.0, "step": 0.1, **wrong})
 
 
+def test_a_start_of_another_model_is_refused_and_one_of_a_copy_is_not() -> None:
+    def pushed(thickness: float) -> kg.Model:
+        m = kg.Model.from_mesh(strip(4), thickness, kg.Material(3.5e9, 0.34, density=1400.0))
+        m.perturb(5e-4 * np.sin(np.pi * m.mesh.nodes[:, 0] / 0.1) ** 2)
+        m.add(kg.Fix(m.select(boundary="left"), clamp=True))
+        m.add(kg.Prescribe(m.select(boundary="right"), x=-1e-3, y=0, z=0, clamp=True))
+        return m
+
+    m, copy, thicker = pushed(5e-4), pushed(5e-4), pushed(1e-3)
+    rest = kg.DisplacementControl(m).run()[-1]
+    velocity = np.zeros((len(m.nodes), 3))
+    velocity[np.isclose(m.positions()[:, 0], 0.05), 2] = 0.1
+    moving = kg.Dynamics(m, end=2e-4, step=1e-4, start=rest, velocity=velocity).run()[-1]
+    for step in (rest, moving):
+        assert len(kg.Dynamics(copy, end=4e-4, step=1e-4, start=step).run()) > 1
+        with pytest.raises(kg.ModelError, match="of another model, of which this one is no copy"):
+            kg.Dynamics(thicker, end=4e-4, step=1e-4, start=step).run()
+    taken_over = kg.Step.at(thicker, 1.0, rest.u)
+    assert kg.Dynamics(thicker, end=1e-4, step=1e-4, start=taken_over).run().energy["kinetic"][-1] > 0
+
+
 def test_ties_carry_masses_and_turned_nodes_move_along_arcs() -> None:
     """Two tied masses swing as one; nodes that a support turns have the velocity of their arc, and its energy."""
     m = spring(k=100.0, mass=0.25)

@@ -26,6 +26,9 @@ if TYPE_CHECKING:
     from kirigami.analysis.dynamics.dynamics import Dynamics
 
 
+ALIKE = 1e-3  # imbalance, and difference of kinetic energies, up to which a step of another model may be one of this
+
+
 class DynamicsRun(Run):
     """A run that goes from moment to moment, and stores each, or some of them."""
 
@@ -132,8 +135,29 @@ class DynamicsRun(Run):
         elif given is not None:
             velocity = np.where(self.motion.free, given, velocity)
         moment = Moment(time, factors, rates, q, velocity)
+        self._check_start(moment, held)
         self._check_equations(moment)
         return moment
+
+    def _check_start(self, moment: Moment, held: float) -> None:
+        """Raise a ModelError for a start that another model made and that is not one of this model.
+
+        What another model made alike is: in balance as it was there, and with the same kinetic energy.
+        """
+        start, system = self.settings.start, self.system
+        if start is None or start.stage_key in ("", system.model.stage_key) or start.stage != system.model.stage:
+            return
+        if start.velocity is not None:
+            kinetic = self.motion.kinetic(moment)
+            alike = abs(kinetic - start.kinetic) <= ALIKE * max(kinetic, start.kinetic)
+        else:
+            u = system.joined(start.u, start.inner)
+            alike = not start.residual < ALIKE**2 or system.imbalance(u, held)[1] <= ALIKE
+        if not alike:
+            raise ModelError(
+                "Dynamics: start is of another model, of which this one is no copy: give a step of this one, or "
+                "kg.Step.at(model, lam, step.u), which takes the displacements alone"
+            )
 
     def _check_equations(self, moment: Moment) -> None:
         """Raise a MechanismError where something has neither mass nor stiffness."""
