@@ -27,6 +27,8 @@ class YieldingBarKernel(BarKernel):
     """Bars of one strain measure that yield; curves are in force over plastic strain. `history` is (n, 2): plastic
     strain, and its accumulated size."""
 
+    path_dependent = True
+
     def __init__(
         self,
         rest: Array,
@@ -82,6 +84,8 @@ class YieldingBarKernel(BarKernel):
 class YieldingHingeKernel(BendHingeKernel):
     """Bending hinges that yield; curves are in moment over plastic angle. `history` is (n, 3): angle, plastic angle,
     and its accumulated size."""
+
+    path_dependent = True
 
     def __init__(
         self,

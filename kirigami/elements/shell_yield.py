@@ -75,6 +75,8 @@ class YieldingShellKernel(ShellFacetKernel):
     strains; so steps keep nothing of what is elastic.
     """
 
+    path_dependent = True
+
     def __init__(
         self,
         rest: Array,

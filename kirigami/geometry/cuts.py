@@ -15,6 +15,7 @@ import shapely
 from numpy.typing import NDArray
 from shapely.geometry.base import BaseGeometry
 
+from kirigami.deferred import deferred
 from kirigami.errors import GeometryError
 from kirigami.primitives.checks import (
     require_array,
@@ -29,6 +30,8 @@ from kirigami.primitives.checks import (
 Floats = NDArray[np.float64]
 
 MOST = 100_000  # cuts along one direction of a pattern; more is a slip
+
+graded_slits = deferred("kirigami.geometry.graded:graded_slits", static=True)
 
 
 def curved_cells(

@@ -376,6 +376,10 @@ CALLS: dict[str, Callable[[], Call]] = {
     "bloch.winding_numbers": lambda: (kg.bloch.winding_numbers, {"framework": framework()}),
     "bloch.polarization": lambda: (kg.bloch.polarization, {"framework": framework()}),
     "cuts.curved_cells": lambda: (kg.cuts.curved_cells, {}),
+    "cuts.graded_slits": lambda: (kg.cuts.graded_slits, {
+        "outline": [(0, 0), (3, 0), (3, 2), (0, 2)], "spacing": 0.5, "pitch": 1.0, "length": 0.4, "angle": 0.1,
+        "margin": 0.01,
+    }),
     "cuts.parallel_slits": lambda: (kg.cuts.parallel_slits, {}),
     "cuts.perpendicular_slits": lambda: (kg.cuts.perpendicular_slits, {}),
     "cuts.random_slits": lambda: (

@@ -274,3 +274,12 @@ def test_friction_has_no_gradient():
     res = kg.LoadControl(m).run()
     with pytest.raises(kg.ModelError, match="depends on the way"):
         res.gradient(("energy",), "positions")
+
+
+def test_yield_has_no_gradient():
+    m = kg.Model(dim=2)
+    a, b = m.add(kg.Node(0, 0), kg.Node(1, 0))
+    m.add(kg.Bar(a, b, EA=10.0, yield_force=0.05), kg.Fix(a), kg.Fix(b, "y"), kg.Prescribe(b, x=0.01))
+    res = kg.DisplacementControl(m).run()
+    with pytest.raises(kg.ModelError, match="depends on the way"):
+        res.gradient(("energy",), "positions")

@@ -1,0 +1,67 @@
+"""A ribbon with a flat force plateau: the lengths of its slits are found so that pulling further takes no more force.
+
+Three rows of slits over a strip, one length for each. Wanted is the same force at a half, three quarters and the
+whole of the pull. The answer is walked once more from flat on a finer mesh, and written for the cutter.
+
+Run it with ``python examples/flat_force_ribbon.py [folder]``; it takes a minute or two.
+"""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+import numpy as np
+import shapely
+
+import kirigami as kg
+
+WIDTH, HEIGHT, PULL = 0.06, 0.1, 0.012  # m
+AT = [0.5, 0.75, 1.0]  # shares of the pull
+FORCE = ("force", "driven_0", "y")
+
+
+def cuts(ends: float, middle: float) -> list[shapely.LineString]:
+    """Rows of slits in the middle of the strip, and from both sides between them; shares of the width."""
+    lines = []
+    for number, share in enumerate((ends, middle, ends, middle, ends)):
+        y, half = 0.02 + 0.015 * number, 0.5 * share * WIDTH
+        if number % 2 == 0:
+            lines.append([(0.5 * WIDTH - half, y), (0.5 * WIDTH + half, y)])
+        else:
+            lines += [[(0, y), (half, y)], [(WIDTH - half, y), (WIDTH, y)]]
+    return [shapely.LineString(line) for line in lines]
+
+
+def grips(m: kg.Model) -> None:
+    """The ends are clamped; one is pulled."""
+    bottom, top = m.select(boundary="bottom"), m.select(boundary="top")
+    m.add(kg.Fix(bottom, clamp=True), kg.Fix(top, "xz", clamp=True), kg.Prescribe(top, y=PULL))
+
+
+def ribbon() -> kg.Design:
+    """The ribbon to start from."""
+    return kg.Design(
+        cuts, outline=shapely.box(0, 0, WIDTH, HEIGHT), supports=grips, thickness=2e-4,
+        material=kg.Material(3.5e9, 0.34), mesh={"max_edge": 0.012, "cut_edge": 0.008}, ends=(0.66, 0.45, 0.82), middle=(0.66, 0.45, 0.82),
+    )  # fmt: skip
+
+
+def main(folder: Path) -> kg.InverseResult:
+    """Find the lengths, tell what came of it, and write picture and drawing."""
+    start = ribbon()
+    res = start.walk(AT)
+    before = np.array([res.reaction("driven_0", "y")[int(np.argmin(abs(res.lam - lam)))] for lam in AT])
+    print("forces of the start [N]:", before.round(3))
+    plateau = float(before.mean())
+    found = kg.Inverse(start, (FORCE, AT, plateau), evaluations=20, path=folder / "ribbon.json").run(progress=True)
+    print(found.summary())
+    found.plot().savefig(folder / "ribbon.png", dpi=120)
+    found.design.sheet().to_svg(folder / "ribbon.svg")
+    return found
+
+
+if __name__ == "__main__":
+    where = Path(sys.argv[1] if len(sys.argv) > 1 else ".")
+    where.mkdir(parents=True, exist_ok=True)
+    main(where)
