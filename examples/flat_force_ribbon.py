@@ -43,7 +43,8 @@ def ribbon() -> kg.Design:
     """The ribbon to start from."""
     return kg.Design(
         cuts, outline=shapely.box(0, 0, WIDTH, HEIGHT), supports=grips, thickness=2e-4,
-        material=kg.Material(3.5e9, 0.34), mesh={"max_edge": 0.012, "cut_edge": 0.008}, ends=(0.66, 0.45, 0.82), middle=(0.66, 0.45, 0.82),
+        material=kg.Material(3.5e9, 0.34), mesh={"max_edge": 0.012, "cut_edge": 0.008},
+        ends=(0.66, 0.45, 0.82), middle=(0.66, 0.45, 0.82),
     )  # fmt: skip
 
 
