@@ -10,6 +10,7 @@ import math
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from kirigami.elements.driven_rest import driven, untouched
 from kirigami.primitives.kernel import Array, Contribution, Kernel
@@ -37,6 +38,16 @@ class AngleKernel(Kernel):
         self._committed = initial.copy()
         self.rest_angle, self.drive = driven(np.where(np.isnan(rest_angle), initial, rest_angle), targets)
         self.scaled = self.drive is not None
+
+    def actuate(self, members: NDArray[np.int64], values: Array, constant: bool) -> None:
+        """Add `values` (k,) to the angle without moment of `members` (k,), in full or with the load factor."""
+        turned = np.zeros(len(self.conn))
+        np.add.at(turned, members, values)
+        if constant:
+            self.rest_angle = self.rest_angle + turned
+        else:
+            self.drive = turned if self.drive is None else self.drive + turned
+            self.scaled = True
 
     def rest_angle_at(self, lam: float) -> Array:
         """Angle without moment (n,) at a load factor."""

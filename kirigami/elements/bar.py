@@ -13,6 +13,8 @@ The rest length may be driven, L = L_0 + lam (L_1 - L_0). With s = 1 + 2 e (Gree
 
     dW/dL = EA (w - S s),    dg/dL = -g / L - EA S' s d / L^2 (Green),   -EA S' s d / (L l) (engineering).
 
+A bar of a sheet that is actuated bears nothing at a strain of its own (:mod:`kirigami.elements.natural`).
+
 (Felippa, Nonlinear Finite Element Methods, ch. on the total Lagrangian bar; Liu and Paulino, Proc. R. Soc. A 473,
 20170348 (2017), for the Ogden law.)
 """
@@ -28,6 +30,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from kirigami.elements.driven_rest import driven, held_at, targets_of, untouched
+from kirigami.elements.natural import NaturalKernel
 from kirigami.errors import ModelError
 from kirigami.primitives.checks import require_choice, require_not_negative, require_positive
 from kirigami.primitives.hardening import Hardening, YieldCurve, member_curve
@@ -179,7 +182,7 @@ class Bar(ModelObject):
         return kernels
 
 
-class BarKernel(Kernel):
+class BarKernel(NaturalKernel):
     """All bars of one strain measure and law; see the module's text for the formulas."""
 
     name = "bars"
@@ -199,10 +202,12 @@ class BarKernel(Kernel):
         members: NDArray[np.int64] | None = None,
         targets: Array | None = None,
         mass_per_length: Array | None = None,
+        natural: Array | None = None,
     ) -> None:
         self.rest, self.conn, self.EA = rest, conn, EA
         self.rest_length, self.drive = driven(rest_length, targets)
-        self.scaled = self.drive is not None
+        self._natural = natural
+        self._scale()
         self.strain, self.law, self.members = strain, law, members
         self.mass_per_length = mass_per_length  # (n,), None where no bar has mass
         self._rest_vector = self._between(rest)
@@ -213,7 +218,12 @@ class BarKernel(Kernel):
         own = {name: getattr(self, name) for name in ("conn", "EA", "rest_length", "strain", "law", "members")}
         if self.mass_per_length is not None:
             own["mass_per_length"] = self.mass_per_length
-        return own if self.drive is None else {**own, "targets": untouched(self.rest_length, self.drive)}
+        own = own if self.drive is None else {**own, "targets": untouched(self.rest_length, self.drive)}
+        return self.with_natural(own)
+
+    def _scale(self) -> None:
+        super()._scale()
+        self.scaled |= self.drive is not None
 
     def mass(self, lumped: bool = False) -> Array | None:
         """Mass matrices (n, 2, 2) of bars whose displacement is linear between the ends; lumped, a half at each."""
@@ -240,6 +250,10 @@ class BarKernel(Kernel):
         green = start + change.sum(axis=0) / L**2
         return vector, green, np.sqrt((vector**2).sum(axis=0))
 
+    def start_strain(self, lam: float) -> Array:
+        """Green strain (n,) that bars feel in the rest state."""
+        return self.beyond(self._rest_strain, lam)
+
     def _between(self, field: Array) -> Array:
         """Difference (dim, n) of a field (n_nodes, dim) between the ends."""
         # Members last in memory, so that every operation runs through it.
@@ -259,9 +273,11 @@ class BarKernel(Kernel):
         stress = d * (4 + 6 * d + 4 * d**2 + d**3) / (4 * stretch)
         return energy, stress, (3 * stretch + stretch**-3) / 4
 
-    def _strain(self, green: Array, length: Array, lam: float = 0.0) -> Array:
+    def _strain(self, green: Array, length: Array, lam: float | None = None) -> Array:
+        """What bars feel; at no load factor, against the rest length at zero."""
         if self.strain == "green":
-            return green
+            return green if lam is None else self.beyond(green, lam)
+        lam = lam or 0.0
         L = self.rest_length_at(lam)
         return np.asarray(2 * L * green / (length + L))  # (l - L) / L without cancellation
 
@@ -288,6 +304,9 @@ class BarKernel(Kernel):
         return stress
 
     def force_at(self, deformation: Array, lam: float) -> Array:
+        if self._natural is not None:
+            stress = self.EA * self._law(self.beyond(deformation, lam))[1]
+            return np.asarray(stress * np.sqrt(np.maximum(1 + 2 * deformation, 0.0)))
         if self.drive is None:
             return self.force(deformation)
         part = self.rest_length / self.rest_length_at(lam)  # the strain against the rest length as it is then
@@ -296,7 +315,8 @@ class BarKernel(Kernel):
         return self.force(part - 1 + part * deformation)
 
     def by_load(self, x: Array, lam: float, need: int = 1) -> Contribution:
-        assert self.drive is not None
+        if self.drive is None:
+            return super().by_load(x, lam, need)
         L = self.rest_length_at(lam)
         vector, green, length = self._vectors(x, lam)
         strain = self._strain(green, length, lam)

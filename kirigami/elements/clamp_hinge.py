@@ -24,12 +24,13 @@ from numpy.typing import NDArray
 
 from kirigami.elements.bend_hinge import BendHingeKernel
 from kirigami.elements.edge_turn import EdgeTurn
-from kirigami.primitives.kernel import EXACT, Array, Contribution, Kernel, Tangent, full_hessian
+from kirigami.elements.natural import NaturalKernel
+from kirigami.primitives.kernel import EXACT, Array, Contribution, Tangent, full_hessian
 
 Index = NDArray[np.int64]
 
 
-class HeldEdgeKernel(Kernel):
+class HeldEdgeKernel(NaturalKernel):
     """Energy k chi^2 / 2 of the change of angles chi = sum of weight * phi and of weight * theta, member by member.
 
     Parameters
@@ -74,8 +75,11 @@ class HeldEdgeKernel(Kernel):
         fold_at: Index,
         fold_weight: Array,
         members: Index | None = None,
+        natural: Array | None = None,
     ) -> None:
         self.rest, self.conn, self.stiffness, self.members = rest, conn, stiffness, members
+        self._natural = natural
+        self._scale()
         self.turn_of, self.turn_at, self.turn_weight = turn_of, turn_at, turn_weight
         self.normal, self.carried = normal, carried
         self.fold_of, self.fold_at, self.fold_weight = fold_of, fold_at, fold_weight
@@ -90,7 +94,7 @@ class HeldEdgeKernel(Kernel):
             "conn", "stiffness", "turn_of", "turn_at", "turn_weight", "normal", "carried",
             "fold_of", "fold_at", "fold_weight", "members",
         )  # fmt: skip
-        return {name: getattr(self, name) for name in names}
+        return self.with_natural({name: getattr(self, name) for name in names})
 
     @property
     def history(self) -> Array | None:
@@ -121,6 +125,9 @@ class HeldEdgeKernel(Kernel):
         """Moment of each edge (n,) [force length]."""
         return np.asarray(self.stiffness * deformation)
 
+    def force_at(self, deformation: Array, lam: float) -> Array:
+        return self.force(self.beyond(deformation, lam))
+
     def _slopes(self, x: Array) -> Array:
         """Derivatives (n, nodes, 3) of chi by the positions."""
         chain = np.zeros((*self.conn.shape, 3))
@@ -131,7 +138,7 @@ class HeldEdgeKernel(Kernel):
         return chain
 
     def evaluate(self, x: Array, lam: float = 1.0, need: int = 2, tangent: Tangent = EXACT) -> Contribution:
-        angle = self.deformation(x)
+        angle = self.beyond(self.deformation(x), lam)
         moment = self.stiffness * angle
         energy = 0.5 * moment * angle
         if need == 0:
@@ -164,13 +171,21 @@ class ClampHingeKernel(HeldEdgeKernel):
     Energy k phi^2 / 2.
     """
 
-    def __init__(self, rest: Array, conn: Index, stiffness: Array, members: Index | None = None) -> None:
+    def __init__(
+        self,
+        rest: Array,
+        conn: Index,
+        stiffness: Array,
+        members: Index | None = None,
+        natural: Array | None = None,
+    ) -> None:
         own = np.arange(len(conn))
         no_folds = np.empty(0, np.int64), np.empty((0, 4), np.int64), np.empty(0)
         at, weight = np.tile([0, 1, 2], (len(conn), 1)), np.ones(len(conn))
         super().__init__(
-            rest, conn, stiffness, own, at, weight, np.zeros((len(conn), 3)), own >= 0, *no_folds, members=members
+            rest, conn, stiffness, own, at, weight, np.zeros((len(conn), 3)), own >= 0, *no_folds, members=members,
+            natural=natural,
         )
 
     def arrays(self) -> dict[str, Any]:
-        return {"conn": self.conn, "stiffness": self.stiffness, "members": self.members}
+        return self.with_natural({"conn": self.conn, "stiffness": self.stiffness, "members": self.members})

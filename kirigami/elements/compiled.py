@@ -27,21 +27,21 @@ class CompiledBars:
     def __init__(self, kernel: BarKernel) -> None:
         self._kernel = kernel
 
-    def _state(self, x: Array) -> tuple[Any, ...]:
+    def _state(self, x: Array, lam: float) -> tuple[Any, ...]:
         kernel = self._kernel
         u = np.ascontiguousarray(displacement_of(x, kernel.rest))
-        return kernel.conn, u, kernel._rest_vector, kernel._rest_strain, kernel.EA, kernel.rest_length
+        return kernel.conn, u, kernel._rest_vector, kernel.start_strain(lam), kernel.EA, kernel.rest_length
 
     def add_forces(self, x: Configuration, lam: float, total: Array) -> float:
-        return float(compiled_loops.bar_forces(*self._state(x), total))
+        return float(compiled_loops.bar_forces(*self._state(x, lam), total))
 
     def add_blocks(self, x: Configuration, lam: float, tangent: Tangent, slots: Index, blocks: Array) -> None:
         stress = np.empty(0)
         if tangent.ahead is not None:
             start, change = tangent.ahead
             stress = np.empty(len(self._kernel.conn))
-            compiled_loops.bar_stress_ahead(*self._state(start), np.ascontiguousarray(change), stress)
-        compiled_loops.bar_blocks(*self._state(x), stress, tangent.convexity, slots, blocks)
+            compiled_loops.bar_stress_ahead(*self._state(start, lam), np.ascontiguousarray(change), stress)
+        compiled_loops.bar_blocks(*self._state(x, lam), stress, tangent.convexity, slots, blocks)
 
 
 class CompiledHinges:

@@ -23,6 +23,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kirigami.elements.bend_hinge import BendHingeKernel
+from kirigami.elements.natural import NaturalKernel
 from kirigami.elements.triangle import (
     ENDS,
     STARTS,
@@ -148,7 +149,7 @@ def rigidity_of(thickness: Array, E: Array, nu: Array) -> Array:
     return np.asarray(E * thickness**3 / (12 * (1 - nu**2)))
 
 
-class FacetKernel(Kernel):
+class FacetKernel(NaturalKernel):
     """All facets with one number of neighbours; see the module's text for the formulas.
 
     Local nodes: three corners, then the neighbours across those edges that `bends` (n, 3) marks, in their order.
@@ -169,8 +170,11 @@ class FacetKernel(Kernel):
         members: NDArray[np.int64] | None = None,
         beyond: Array | None = None,
         density: Array | None = None,
+        natural: Array | None = None,
     ) -> None:
-        self.rest, self.members, self.beyond = rest, members, beyond
+        self.rest, self.members, self.softness = rest, members, beyond
+        self._natural = natural  # strains of the edges and angles of the folds (2, n, 6)
+        self._scale()
         self.density = density  # mass per area (n,), nan where unknown
         self.thickness, self.E, self.nu = thickness, E, nu
         dim = rest.shape[1]
@@ -205,8 +209,26 @@ class FacetKernel(Kernel):
                 self._bending = without_fold(self._bending, edge, ~bends[:, edge])[0]
 
     def arrays(self) -> dict[str, Any]:
-        names = ("bends", "thickness", "E", "nu", "members", "beyond", "density")
-        return {"conn": self._given} | {name: getattr(self, name) for name in names}
+        names = ("bends", "thickness", "E", "nu", "members", "density")
+        own = {"conn": self._given, "beyond": self.softness} | {name: getattr(self, name) for name in names}
+        return self.with_natural(own)
+
+    def actuate_sheet(self, members: NDArray[np.int64], strain: Array, folds: Array, constant: bool) -> None:
+        """Add to the strain (k, 3), in the axes of facets, and to the fold angles (k, 3) at which `members` bear
+        nothing."""
+        edges = np.linalg.solve(self._to_strain[members], strain[..., None])[..., 0]
+        self.actuate(members, np.concatenate([edges, folds], axis=1), constant)
+
+    def natural_deformation(self, lam: float) -> Array | None:
+        """Strain and curvature (n, 6), as :meth:`deformation` has them, at which facets bear nothing."""
+        natural = self.natural(lam)
+        if natural is None:
+            return None
+        found = np.zeros((len(self.conn), 6))
+        found[:, :3] = np.einsum("nac,nc->na", self._to_strain, natural[:, :3])
+        if self._hinges is not None:
+            found[:, 3:] = self._curvature(natural[:, 3:])
+        return found
 
     def mass(self, lumped: bool = False) -> Array | None:
         """Mass matrices (n, k, k), of the corners alone; None where a density is unknown."""
@@ -241,15 +263,23 @@ class FacetKernel(Kernel):
         found = np.zeros((len(self.conn), 6))
         found[:, :3] = np.einsum("nac,nc->na", self._to_strain, self._stretch(x)[1])
         if self._hinges is not None:
-            # The moments m at the folds do the work of the plate's moments M: m = A B' M with curvature = B angles.
-            moment = self.fold_moments(x) / self.area[:, None]
-            plate = np.linalg.solve(self._to_curvature.transpose(0, 2, 1), moment[..., None])
-            found[:, 3:] = np.linalg.solve(self.section[:, 3:, 3:], plate)[..., 0]
+            found[:, 3:] = self._curvature(self.fold_angles(x))
         return found
+
+    def _curvature(self, angles: Array) -> Array:
+        """Curvature (n, 3) whose moments M the fold angles (n, 3) meet: m = A B' M at the folds, curvature = B angles
+        where none of them is free."""
+        moment = np.einsum("ncd,nd->nc", self._bending, angles) / self.area[:, None]
+        plate = np.linalg.solve(self._to_curvature.transpose(0, 2, 1), moment[..., None])
+        return np.asarray(np.linalg.solve(self.section[:, 3:, 3:], plate)[..., 0])
 
     def force(self, deformation: Array) -> Array:
         """Forces and moments per length (n, 6): (Nxx, Nyy, Nxy, Mxx, Myy, Mxy) of a deformation (n, 6)."""
         return np.asarray(np.einsum("nab,nb->na", self.section, deformation))
+
+    def force_at(self, deformation: Array, lam: float) -> Array:
+        natural = self.natural_deformation(lam)
+        return self.force(deformation if natural is None else deformation - natural)
 
     def fold_angles(self, x: Array) -> Array:
         """Change (n, 3) of the fold angle of each edge against rest [rad]; 0 where the edge is free."""
@@ -258,27 +288,38 @@ class FacetKernel(Kernel):
             angles[self.hinge_facet, self.hinge_edge] = self._hinges.deformation(x) - self._hinges.rest_angle
         return angles
 
-    def _force_ahead(self, x: Array, change: Array) -> Array:
-        """Derivatives of the membrane energy by the edge strains (n, 3) after a linear step `change` off `x`."""
+    def _felt(self, x: Array, lam: float) -> tuple[Array, Array]:
+        """Edge vectors (n, 3, dim) and the strains (n, 3) of edges that facets bear something at."""
         edges, strain = self._stretch(x)
+        natural = self.natural(lam)
+        return edges, strain if natural is None else strain - natural[:, :3]
+
+    def _force_ahead(self, x: Array, change: Array, lam: float) -> Array:
+        """Derivatives of the membrane energy by the edge strains (n, 3) after a linear step `change` off `x`."""
+        edges, strain = self._felt(x, lam)
         rate = np.einsum("nca,nca->nc", edges, edge_vectors(change, self._given)) / self._square
         return np.asarray(np.einsum("ncd,nd->nc", self._membrane, strain + rate))
 
-    def fold_moments(self, x: Array) -> Array:
+    def _turned(self, x: Array, lam: float) -> Array:
+        """Fold angles (n, 3) that facets bear something at."""
+        natural = self.natural(lam)
+        return self.fold_angles(x) if natural is None else self.fold_angles(x) - natural[:, 3:]
+
+    def fold_moments(self, x: Array, lam: float) -> Array:
         """Moment (n, 3) of each facet on its folds, the derivatives of its energy by the fold angles."""
         if self._hinges is None:
             return np.zeros((len(self.conn), 3))
-        return np.asarray(np.einsum("ncd,nd->nc", self._bending, self.fold_angles(x)))
+        return np.asarray(np.einsum("ncd,nd->nc", self._bending, self._turned(x, lam)))
 
     def evaluate(self, x: Array, lam: float = 1.0, need: int = 2, tangent: Tangent = EXACT) -> Contribution:
-        edges, strain = self._stretch(x)
+        edges, strain = self._felt(x, lam)
         n, dim = len(edges), edges.shape[2]
         nodes = self.conn.shape[1]
         force = np.einsum("ncd,nd->nc", self._membrane, strain)
         energy = 0.5 * (force * strain).sum(axis=1)
         moment = np.zeros((n, 3))
         if self._hinges is not None:
-            angles = self.fold_angles(x)
+            angles = self._turned(x, lam)
             moment = np.einsum("ncd,nd->nc", self._bending, angles)
             energy += 0.5 * (moment * angles).sum(axis=1)
         if need == 0:
@@ -298,7 +339,7 @@ class FacetKernel(Kernel):
         if need == 1:
             return Contribution(energy, gradient)
         if tangent.ahead is not None:
-            force = self._force_ahead(*tangent.ahead)
+            force = self._force_ahead(*tangent.ahead, lam)
         if tangent.convexity:
             force = force + tangent.convexity * (without_compression(force, self._to_strain) - force)
         pull = force / self._square

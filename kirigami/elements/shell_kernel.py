@@ -7,6 +7,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from kirigami.elements.natural import NaturalKernel
 from kirigami.elements.shell_bending import (
     AreaFrames,
     Bending,
@@ -20,7 +21,7 @@ from kirigami.elements.shell_bending import (
 from kirigami.elements.shell_geometry import EDGE_OF_POINT, Chart, facet_vectors
 from kirigami.elements.shell_membrane import Membrane
 from kirigami.elements.shell_rest import angle_scale, bulges, corner_normals, initial_directors
-from kirigami.primitives.kernel import EXACT, Array, CompiledKernel, Contribution, Kernel, Tangent, displacement_of
+from kirigami.primitives.kernel import EXACT, Array, CompiledKernel, Contribution, Tangent, displacement_of
 
 CHUNK = 512  # facets whose Hessians are made at a time, so that they stay in the processor's cache
 SHARE = np.eye(3) + 1 / 3  # its square is 1 + the unit matrix: the mass of the barycentric coordinates
@@ -34,7 +35,7 @@ CONSISTENT[3:6, :3] = CONSISTENT[:3, 3:6].T
 LUMPED = np.diag([1 / 3] * 3 + [0.0] * 6)
 
 
-class ShellFacetKernel(Kernel):
+class ShellFacetKernel(NaturalKernel):
     """All shell facets; see the module's text for the formulas.
 
     Local rows: three corners, the middles and then the angles of the edges 01, 12, 20. `forward` (n, 3) tells where a
@@ -58,6 +59,7 @@ class ShellFacetKernel(Kernel):
         members: NDArray[np.int64] | None = None,
         planes: Array | None = None,
         natural: Array | None = None,
+        heat: Array | None = None,
     ) -> None:
         self.rest, self.conn, self.section, self.forward, self.members = rest, conn, section, forward, members
         self.planes = planes  # normals of mirror planes (n, 3, 3) that the edges lie in, zero where there are none
@@ -78,23 +80,42 @@ class ShellFacetKernel(Kernel):
         self._rest_curvatures = self._bending.curvatures(self._rest_vectors, area_frames(self._rest_vectors))
         self.coupled = bool(np.any(section[:, :3, 3:]))
         self._natural = natural
-        self.scaled = natural is not None and bool(np.any(natural[1]))
+        self._heat = heat
+        self._scale()
 
     def arrays(self) -> dict[str, Any]:
         own = {name: getattr(self, name) for name in ("conn", "section", "forward", "density", "members", "planes")}
-        return own if self._natural is None else {**own, "natural": self._natural}
+        return self.with_natural(own if self._heat is None else {**own, "heat": self._heat})
 
-    def actuate(self, facets: NDArray[np.int64], local: Array, constant: bool) -> None:
-        """Add to the strain and curvature (k, 6), in the axes of :meth:`deformation`, at which facets bear nothing:
-        what counts whatever the load factor, or what grows with it."""
-        if self._natural is None:
-            self._natural = np.zeros((2, len(self.conn), 6))
-        np.add.at(self._natural[0 if constant else 1], facets, local)
-        self.scaled = bool(np.any(self._natural[1]))
+    def actuate(self, members: NDArray[np.int64], values: Array, constant: bool) -> None:
+        """Add strain and curvature (k, 6), in the axes of :meth:`deformation`. A curved sheet whose layers all are
+        strained by e is similar to itself with the second form b + (e b + b e) / 2: so it is not bent by that."""
+        b11, b22, b12 = (self._rest_form[members] * [1.0, 1.0, 0.5]).T
+        e11, e22, e12 = (values[:, :3] * [1.0, 1.0, 0.5]).T
+        grown = np.stack([e11 * b11 + e12 * b12, e12 * b12 + e22 * b22, e12 * (b11 + b22) + b12 * (e11 + e22)], axis=1)
+        values = values.copy()
+        values[:, 3:] += grown
+        super().actuate(members, values, constant)
 
-    def natural(self, lam: float) -> Array | None:
-        """Strain and curvature (n, 6) at which the facets bear nothing at a load factor; None where they are zero."""
-        return None if self._natural is None else self._natural[0] + lam * self._natural[1]
+    @property
+    def _rest_form(self) -> Array:
+        """Mean second form (n, 3) of facets at rest, (b11, b22, 2 b12)."""
+        measures = np.concatenate([self._rest_curvatures, self._rest_angles])
+        return np.asarray(_apply(self._bending.to_curvature, measures).mean(axis=1))
+
+    def warm(self, facets: NDArray[np.int64], heat: Array, constant: bool) -> None:
+        """Add to the heat (k, 2) at the lower and upper faces, part of what :meth:`actuate` is told."""
+        if self._heat is None:
+            self._heat = np.zeros((2, len(self.conn), 2))
+        np.add.at(self._heat[0 if constant else 1], facets, heat)
+
+    def heat(self, lam: float) -> Array | None:
+        """Heat (n, 2) at the lower and upper faces at a load factor; None where there is none."""
+        return None if self._heat is None else self._heat[0] + lam * self._heat[1]
+
+    def natural_deformation(self, lam: float) -> Array | None:
+        """Strain and curvature (n, 6), as :meth:`deformation` has them, at which facets bear nothing."""
+        return self.natural(lam)
 
     def _elastic(self, fields: Array, lam: float) -> Array:
         """Strain and curvature (n, 3, 6) less those at which the facets bear nothing."""

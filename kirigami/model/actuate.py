@@ -4,9 +4,12 @@ A facet with strain e and curvature k bears forces and moments by what they are 
 
     energy  A ((e - e_0, k - k_0) . section . (e - e_0, k - k_0)) / 2
 
-Heat by dT makes e_0 = alpha dT (1, 1, 0), and a rise of dT over the thickness t makes k_0 = -alpha dT / t (1, 1, 0)
-where the side of the normal is the warmer one. Two equal layers of thickness t / 2 whose free strains differ by d bend
-to k_0 = 3 d / (2 t) (Timoshenko, J. Opt. Soc. Am. 11 (1925), 233).
+Heat T(z) makes of the expansion of each layer what classical lamination theory says: (e_0, k_0) = S^-1 (N_T, M_T), see
+:mod:`kirigami.primitives.material`. In one isotropic layer that is e_0 = a T (1, 1, 0) and, where the heat rises by dT
+from the lower to the upper face, k_0 = -a dT / t (1, 1, 0). Two equal layers of thickness t / 2 whose free strains
+differ by d bend to k_0 = 3 d / (2 t) (Timoshenko, J. Opt. Soc. Am. 11 (1925), 233). What layers bear against each
+other in a sheet that is free is part of their stress, but not of the energy. How bars, hinges and flat facets take e_0
+and k_0 is in :mod:`kirigami.model.natural_state`.
 """
 
 from __future__ import annotations
@@ -18,12 +21,11 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from kirigami.elements.shell_kernel import ShellFacetKernel
 from kirigami.errors import ModelError
+from kirigami.model.natural_state import NaturalState
 from kirigami.model.spread_loads import Surface, _facets
 from kirigami.primitives.checks import require_array, require_boolean, require_finite
 from kirigami.primitives.kernel import Array, Kernel
-from kirigami.primitives.material import Laminate
 from kirigami.primitives.node import Node
 from kirigami.primitives.parts import ModelObject, Numbering
 
@@ -32,9 +34,11 @@ Index = NDArray[np.int64]
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False, init=False)
 class Actuate(ModelObject):
-    """Gives facets of the shell rung a strain and a curvature of their own, at which they bear nothing.
+    """Gives facets of a sheet a strain and a curvature of their own, at which they bear nothing.
 
-    Several on one facet add up. A model that only this drives needs no load.
+    Several on one facet add up. A model that only this drives needs no load. On every rung the sheet takes what it can
+    take freely; what it bears when it is held is what the elements of the rung make of it. A strain is that of all
+    layers alike: a tube that swells becomes a wider tube.
 
     Parameters
     ----------
@@ -46,11 +50,15 @@ class Actuate(ModelObject):
         (kxx, kyy, 2 kxy) at load factor 1 [1 / length]; kxx > 0 curves a flat sheet towards its normal.
     constant : bool
         They are there in full whatever the load factor.
+    heat : float or array_like, shape (2,)
+        Rise of temperature at load factor 1, evenly or at the lower and upper faces with a straight line between, in
+        the unit to which the ``expansion`` of the material belongs; the upper face is that of the normals.
 
     Raises
     ------
     ModelError
-        Values that are no three numbers, or all zero; in a run facets that are not there, or a rung other than "shell".
+        Values that are no three numbers, or all zero; in a run facets that are not there, a model without a mesh, a
+        curvature in a model with dim=2, or a material without expansion that is heated.
 
     Examples
     --------
@@ -62,6 +70,17 @@ class Actuate(ModelObject):
     >>> res = kg.LoadControl(m).run()
     >>> round(float(res.width("y")[-1]), 3), bool(max(sum(res.energy.values())) < 1e-12)
     (4.04, True)
+
+    A strip of two metals that is warmed by 100 degrees curves towards the one that expands less:
+
+    >>> lower = kg.Material(E=2e11, nu=0.3, expansion=17e-6)
+    >>> upper = kg.Material(E=2e11, nu=0.3, expansion=12e-6)
+    >>> pair = kg.Laminate([(lower, 5e-4), (upper, 5e-4)])
+    >>> m = kg.Model.from_mesh(mesh.scaled(0.01), material=pair, stiffness="shell")
+    >>> objects = m.add(kg.Fix(m.nodes[0]), kg.Fix(m.nodes[1], "yz"), kg.Fix(m.nodes[2], "z"), kg.Actuate(heat=100.0))
+    >>> res = kg.LoadControl(m).run()
+    >>> round(float(res.stress(-1).curvature[0, 0, 0]), 3)       # 3 d / (2 t), d = 5e-4, t = 1e-3
+    0.75
     """
 
     kind: ClassVar[str] = "effect"
@@ -69,6 +88,7 @@ class Actuate(ModelObject):
     strain: tuple[float, float, float]
     curvature: tuple[float, float, float]
     constant: bool
+    heat: tuple[float, float]
 
     def __init__(
         self,
@@ -76,12 +96,15 @@ class Actuate(ModelObject):
         strain: ArrayLike = (0.0, 0.0, 0.0),
         curvature: ArrayLike = (0.0, 0.0, 0.0),
         constant: bool = False,
+        heat: ArrayLike = 0.0,
     ) -> None:
         object.__setattr__(self, "facets", _facets(facets, "Actuate"))
         for name, value in (("strain", strain), ("curvature", curvature)):
             object.__setattr__(self, name, tuple(require_array(value, (3,), name=name, owner="Actuate").tolist()))
-        if not any(self.strain + self.curvature):
-            raise ModelError("Actuate: give a strain or a curvature other than zero")
+        warmed = require_array(heat, (), (2,), name="heat", owner="Actuate")
+        object.__setattr__(self, "heat", tuple(np.broadcast_to(warmed, (2,)).tolist()))
+        if not any(self.strain + self.curvature + self.heat):
+            raise ModelError("Actuate: give a strain, a curvature or a heat other than zero")
         object.__setattr__(self, "constant", require_boolean(constant, "constant", "Actuate"))
 
     @property
@@ -93,64 +116,45 @@ class Actuate(ModelObject):
         lam = require_finite(lam, "lam", "Actuate.held")
         if self.constant or lam == 0:
             return self
-        strain, curvature = (np.multiply(lam, values) for values in (self.strain, self.curvature))
-        return Actuate(self.facets, strain, curvature, constant=True)
+        strain, curvature, heat = (np.multiply(lam, values) for values in (self.strain, self.curvature, self.heat))
+        return Actuate(self.facets, strain, curvature, constant=True, heat=heat)
 
     @classmethod
     def lower(cls, objects: Sequence[Any], numbering: Numbering) -> list[Kernel]:
-        """Nothing is made: the facets themselves are told."""
-        shells = [kernel for kernel in numbering.kernels if isinstance(kernel, ShellFacetKernel)]
-        if not shells or numbering.mesh is None:
+        """Nothing is made: the elements of the sheet themselves are told."""
+        if numbering.mesh is None or numbering.sheet is None:
             raise ModelError(
-                f"{objects[0]!r} needs the sheet of a mesh with stiffness='shell': other rungs have no strain of their "
-                "own; drive their bars by target_length and their hinges by target_angle"
+                f"{objects[0]!r} needs the sheet of a mesh: make the model by Model.from_mesh; bars and hinges added "
+                "by hand are driven by target_length and target_angle"
             )
-        if numbering.sheet is not None:
-            _, materials = numbering.sheet.material_of_facets(len(numbering.mesh.triangles))
-            if any(isinstance(material, Laminate) for material in materials):
-                raise ModelError(
-                    f"{objects[0]!r}: the layers of a Laminate would each have a strain of their own, which is not "
-                    "known; give the sheet a Material or Orthotropic"
-                )
         surface = Surface(numbering, "Actuate")
-        size = len(numbering.rest)
         for item in objects:
             facets = surface.chosen(item.facets, repr(item))
-            wanted = _codes(surface.triangles[facets], size)
-            found = 0
-            for kernel in shells:
-                rows = np.flatnonzero(np.isin(_codes(kernel.conn[:, :3], size), wanted))
-                local = _turned(numbering.rest[kernel.conn[rows, :3]], np.array(item.strain), np.array(item.curvature))
-                kernel.actuate(rows, local, item.constant)
-                found += len(rows)
-            if found < len(facets):
-                raise ModelError(f"{item!r}: {len(facets) - found} of its facets were taken out of the model")
+            state = NaturalState(numbering, repr(item))
+            state.tell(facets, item._state(facets, numbering), item.constant)
+            if any(item.heat):
+                state.warm(facets, np.array(item.heat), item.constant)
         return []
+
+    def _state(self, facets: Index, numbering: Numbering) -> Array:
+        """Strain and curvature (k, 6) of facets at load factor 1, in the axes of the drawing."""
+        found = np.tile(self.strain + self.curvature, (len(facets), 1))
+        if not any(self.heat):
+            return found
+        count = len(numbering.mesh.triangles)
+        number, materials = numbering.sheet.material_of_facets(count)
+        kinds = np.stack([number, numbering.sheet.thickness_of_facets(count)], axis=1)[facets]
+        pairs, which = np.unique(kinds, axis=0, return_inverse=True)
+        free = []
+        for position, thickness in pairs.tolist():
+            material = materials[int(position)]
+            free.append(np.linalg.solve(material.section(thickness), material.heated(thickness, *self.heat)))
+        return np.asarray(found + np.array(free)[which.ravel()])
 
     def __repr__(self) -> str:
         where = "the whole sheet" if self.facets is None else (
             repr(self.facets) if isinstance(self.facets, str) else f"{len(self.facets)} facets"
         )
-        return f"Actuate({where}, strain={self.strain}, curvature={self.curvature})"
-
-
-def _codes(triangles: Index, size: int) -> Index:
-    """One number (m,) for the corners of each facet, in whatever order."""
-    low, middle, high = np.sort(triangles, axis=1).T
-    return np.asarray((low * size + middle) * size + high)
-
-
-def _turned(corners: Array, strain: Array, curvature: Array) -> Array:
-    """Strain and curvature (m, 6) in the axes of facets (m, 3, 3), the first along the edge 01."""
-    first = corners[:, 1] - corners[:, 0]
-    first /= np.linalg.norm(first, axis=1)[:, None]
-    normal = np.cross(first, corners[:, 2] - corners[:, 0])
-    normal /= np.linalg.norm(normal, axis=1)[:, None]
-    second = np.cross(normal, first)
-    found = np.empty((len(corners), 6))
-    for part, (xx, yy, xy) in enumerate((strain, curvature)):
-        tensor = np.array([[xx, xy / 2, 0.0], [xy / 2, yy, 0.0], [0.0, 0.0, 0.0]])
-        columns = [(first, first, 1.0), (second, second, 1.0), (first, second, 2.0)]
-        for column, (a, b, factor) in enumerate(columns):
-            found[:, 3 * part + column] = factor * np.einsum("na,ab,nb->n", a, tensor, b)
-    return found
+        parts = {"strain": self.strain, "curvature": self.curvature, "heat": self.heat}
+        said = ", ".join(f"{name}={values}" for name, values in parts.items() if any(values))
+        return f"Actuate({where}, {said})"

@@ -7,7 +7,12 @@ strained by e - z k, so that with the plane-stress matrix C(z) of each layer
 
     A = int C dz        B = - int z C dz        D = int z^2 C dz
 
-and a material turned by an angle has C' = R' C R.
+and a material turned by an angle has C' = R' C R. Heat T(z) makes a fibre free of stress at the strain a(z) T(z), a its
+expansion; a sheet that is held as it is then bears less by
+
+    N_T = int C a T dz        M_T = - int z C a T dz
+
+so that, left alone, it takes the strain and curvature S^-1 (N_T, M_T).
 """
 
 from __future__ import annotations
@@ -21,6 +26,7 @@ from numpy.typing import NDArray
 
 from kirigami.errors import ModelError
 from kirigami.primitives.checks import (
+    require_array,
     require_finite,
     require_instance,
     require_items,
@@ -42,6 +48,19 @@ class SheetMaterial:
     isotropic: bool = False
     density: float | None = None
     yield_stress: float | None = None
+
+    def free_strain(self, height: float = 0.0) -> Array:
+        """Strain (3,) per unit of heat at which a fibre bears nothing, at a height over the thickness, in the axes of
+        the drawing."""
+        raise ModelError(f"{type(self).__name__}: heat has no meaning for this material, which has no expansion")
+
+    def heated(self, thickness: float, below: float, above: float) -> Array:
+        """What a sheet that is held bears less (6,), as forces and moments per length, when heat goes in a straight
+        line from `below` at its lower face to `above` at the upper one."""
+        force = self.elasticity() @ self.free_strain()
+        return np.concatenate(
+            [0.5 * thickness * (below + above) * force, -(thickness**2) / 12 * (above - below) * force]
+        )
 
     def elasticity(self, height: float = 0.0) -> Array:
         """Plane-stress matrix (3, 3) for (exx, eyy, gamma_xy) at a height over the thickness, from -1/2 to 1/2."""
@@ -69,6 +88,12 @@ def _check_density(material: Any, owner: str) -> None:
         object.__setattr__(material, "density", require_positive(material.density, "density", owner))
 
 
+def _known_expansion(material: Any) -> Any:
+    if material.expansion is None:
+        raise ModelError(f"{material!r} is to be heated, but its expansion is not known: give expansion=")
+    return material.expansion
+
+
 @dataclass(frozen=True)
 class Material(SheetMaterial):
     """Isotropic material of a sheet: linear elastic and, where a yield stress is given, plastic beyond it.
@@ -93,6 +118,8 @@ class Material(SheetMaterial):
     kinematic : float
         Modulus of linear kinematic hardening [force / length^2]: the stress about which the material yields moves by
         this times the plastic strain in tension.
+    expansion : float, optional
+        Strain per unit of heat, or of what else makes it swell; only where :class:`kirigami.Actuate` heats it.
 
     Raises
     ------
@@ -115,6 +142,7 @@ class Material(SheetMaterial):
     yield_stress: float | None = None
     hardening: float | tuple[tuple[float, float], ...] | None = 0.0
     kinematic: float = 0.0
+    expansion: float | None = field(default=None, kw_only=True)
 
     isotropic = True
 
@@ -138,6 +166,7 @@ class Material(SheetMaterial):
     def __repr__(self) -> str:
         beyond = "" if self.yield_stress is None else f", yield_stress={self.yield_stress}, hardening={self.hardening}"
         beyond += f", kinematic={self.kinematic}" if self.kinematic else ""
+        beyond += "" if self.expansion is None else f", expansion={self.expansion}"
         return f"Material(E={self.E}, nu={self.nu}, density={self.density}{beyond})"
 
     @property
@@ -151,6 +180,11 @@ class Material(SheetMaterial):
         if self.yield_stress is None or self.hardening is None:
             return None
         return checked_curve(self.yield_stress, self.hardening, self.kinematic, "Material", "yield_stress")
+        if self.expansion is not None:
+            object.__setattr__(self, "expansion", require_finite(self.expansion, "expansion", "Material"))
+
+    def free_strain(self, height: float = 0.0) -> Array:
+        return float(_known_expansion(self)) * np.array([1.0, 1.0, 0.0])
 
     def elasticity(self, height: float = 0.0) -> Array:
         E, nu = self.E / (1 - self.nu**2), self.nu
@@ -175,6 +209,9 @@ class Orthotropic(SheetMaterial):
         Direction of the grain, counter-clockwise from the x axis of the drawing [rad].
     density : float, optional
         Mass per volume; only where mass or weight matters.
+    expansion : array_like, shape (2,), optional
+        Strains along the grain and across it per unit of heat, or of moisture; only where :class:`kirigami.Actuate`
+        heats it.
 
     Raises
     ------
@@ -195,6 +232,7 @@ class Orthotropic(SheetMaterial):
     G12: float
     angle: float = 0.0
     density: float | None = None
+    expansion: tuple[float, float] | None = field(default=None, kw_only=True)
 
     def __post_init__(self) -> None:
         for name in ("E1", "E2", "G12"):
@@ -207,6 +245,13 @@ class Orthotropic(SheetMaterial):
                 f"E1 / E2, got {self.nu12:.6g}: beyond, stretching would set energy free"
             )
         _check_density(self, "Orthotropic")
+        if self.expansion is not None:
+            along, across = require_array(self.expansion, (2,), name="expansion", owner="Orthotropic").tolist()
+            object.__setattr__(self, "expansion", (along, across))
+
+    def free_strain(self, height: float = 0.0) -> Array:
+        along, across = _known_expansion(self)
+        return np.asarray(strain_turn(-self.angle) @ np.array([along, across, 0.0]))
 
     def elasticity(self, height: float = 0.0) -> Array:
         compliance = np.array(
@@ -287,14 +332,35 @@ class Laminate(SheetMaterial):
             yield material, low, low + thickness
             low += thickness
 
-    def elasticity(self, height: float = 0.0) -> Array:
-        """That of the layer at the height; of the lower one where two meet."""
+    def _at(self, height: float) -> tuple[SheetMaterial, float]:
+        """The layer at a height, and the height over its own thickness; the lower one where two meet."""
         at = height * self.thickness
         layers = list(self._bounds())
         material, low, high = next(
             (layer for layer in layers if at <= layer[2] + SAME * self.thickness), layers[-1]
         )
-        return material.elasticity((at - 0.5 * (low + high)) / (high - low))
+        return material, (at - 0.5 * (low + high)) / (high - low)
+
+    def elasticity(self, height: float = 0.0) -> Array:
+        """That of the layer at the height; of the lower one where two meet."""
+        material, own = self._at(height)
+        return material.elasticity(own)
+
+    def free_strain(self, height: float = 0.0) -> Array:
+        """That of the layer at the height; of the lower one where two meet."""
+        material, own = self._at(height)
+        return material.free_strain(own)
+
+    def heated(self, thickness: float, below: float, above: float) -> Array:
+        self.checked_thickness(thickness, "Laminate")
+        total = np.zeros(6)
+        rise = (above - below) / self.thickness
+        for material, low, high in self._bounds():
+            faces = (below + rise * (face + 0.5 * self.thickness) for face in (low, high))
+            own = material.heated(high - low, *faces)
+            total += own
+            total[3:] -= 0.5 * (low + high) * own[:3]
+        return total
 
     def section(self, thickness: float) -> Array:
         self.checked_thickness(thickness, "Laminate")
@@ -336,13 +402,13 @@ def to_words(material: SheetMaterial) -> Any:
     """A material in plain lists and numbers, for files."""
     if isinstance(material, Material):
         elastic = [material.E, material.nu, material.density]  # as files of earlier versions have it
-        if material.yield_stress is None:
+        if material.yield_stress is None and material.expansion is None:
             return elastic
         plastic = [material.yield_stress, material.hardening, material.kinematic]
-        return {"class": "Material", "values": [*elastic, *plastic]}
+        return {"class": "Material", "values": [*elastic, *plastic], "expansion": material.expansion}
     if isinstance(material, Orthotropic):
         values = [material.E1, material.E2, material.nu12, material.G12, material.angle, material.density]
-        return {"class": "Orthotropic", "values": values}
+        return {"class": "Orthotropic", "values": values, "expansion": material.expansion}
     if isinstance(material, Laminate):
         return {"class": "Laminate", "layers": [[to_words(layer), thickness] for layer, thickness in material.layers]}
     raise NotImplementedError(f"a {type(material).__name__} does not say how to save itself")
@@ -353,9 +419,9 @@ def from_words(words: Any) -> SheetMaterial:
     if not isinstance(words, dict):
         return Material(*words)
     if words["class"] == "Material":
-        return Material(*words["values"])
+        return Material(*words["values"], expansion=words.get("expansion"))
     if words["class"] == "Orthotropic":
-        return Orthotropic(*words["values"])
+        return Orthotropic(*words["values"], expansion=words.get("expansion"))
     if words["class"] == "Laminate":
         return Laminate(tuple((from_words(layer), thickness) for layer, thickness in words["layers"]))
     raise ValueError(f"no material of this package: {words['class']}")

@@ -42,7 +42,11 @@ SMALL = 1e-4  # displacement over size from which the rate of curvature of a lin
 
 @dataclass(eq=False)
 class SheetState:
-    """Strain, curvature, force and moment of each facet (m, 2, 2) in the axes of the drawing, and energies (m,)."""
+    """Strain, curvature, force and moment of each facet (m, 2, 2) in the axes of the drawing, and energies (m,).
+
+    ``natural`` (m, 6) are the strain and curvature (exx, eyy, gamma_xy, kxx, kyy, 2 kxy) at which facets bear nothing,
+    nan where they are known of their edges alone, and ``heat`` (m, 2) that at the lower and upper faces in them.
+    """
 
     strain: Array
     curvature: Array
@@ -50,6 +54,8 @@ class SheetState:
     moment: Array
     membrane_energy: Array
     bending_energy: Array
+    natural: Array
+    heat: Array
 
 
 class StateReader:
@@ -72,7 +78,8 @@ class StateReader:
     def at(self, step: Step) -> SheetState:
         """The state at a step; of a linear analysis to first order."""
         m = len(self.area)
-        state = SheetState(*np.zeros((4, m, 2, 2)), *np.zeros((2, m)))
+        shapes: list[tuple[int, ...]] = [(2, 2)] * 4 + [(), (), (6,), (2,)]
+        state = SheetState(*(np.zeros((m, *shape)) for shape in shapes))
         state.curvature = self._surface_curvature(step)
         state.strain = self._drawn(_tensor(self.surface.at(step.u, self.results.linear), half_shear=True))
         for kernel in self.surfaces:
@@ -99,21 +106,36 @@ class StateReader:
             state.curvature[at] = self._drawn(_tensor(felt[:, 3:], half_shear=True), at)
         state.force[at] = self._drawn(_tensor(borne[:, :3]), at)
         if isinstance(kernel, FacetKernel):
-            state.moment[at] = self._of_folds(results.told(kernel, step, kernel.fold_moments)[rows], at)
+            moments = results.told(kernel, step, lambda x: kernel.fold_moments(x, step.lam))
+            state.moment[at] = self._of_folds(moments[rows], at)
         else:
             state.moment[at] = self._drawn(_tensor(borne[:, 3:]), at)
         energy = results.member_energy(kernel, step)[rows]
         fields = felt[:, None]
         if isinstance(kernel, ShellFacetKernel):  # whose strain is linear over the facet
             fields = results.told(kernel, step, kernel.corner_deformation)[rows]
-            natural = kernel.natural(step.lam)
-            if natural is not None:  # energies are those of what is beyond it
-                fields, felt = fields - natural[rows, None], felt - natural[rows]
+        natural = kernel.natural_deformation(step.lam)  # type: ignore[attr-defined]
+        if natural is not None:  # energies are those of what is beyond it
+            fields, felt = fields - natural[rows, None], felt - natural[rows]
+            state.natural[at] = self._drawn_components(natural[rows], at)
+        if isinstance(kernel, ShellFacetKernel):
+            self._warm(state, kernel.heat(step.lam), rows, at)
             fields = np.concatenate([fields, 3 * felt[:, None]], axis=1) / np.sqrt(12)
         section: Array = kernel.section[rows, :3]  # type: ignore[attr-defined]
         forces = np.einsum("nab,nkb->nka", section, fields)
         state.membrane_energy[at] = 0.5 * self.area[at] * (fields[..., :3] * forces).sum(axis=(1, 2))
         state.bending_energy[at] = np.maximum(energy - state.membrane_energy[at], 0.0)
+
+    def _drawn_components(self, values: Array, at: Index) -> Array:
+        """Strain and curvature (k, 6) from the axes of facets to those of the drawing."""
+        parts = [self._drawn(_tensor(part, half_shear=True), at) for part in (values[:, :3], values[:, 3:])]
+        columns = [part[:, [0, 1, 0], [0, 1, 1]] * [1.0, 1.0, 2.0] for part in parts]
+        return np.concatenate(columns, axis=1)
+
+    @staticmethod
+    def _warm(state: SheetState, heat: Array | None, rows: Index, at: Index) -> None:
+        if heat is not None:
+            state.heat[at] = heat[rows]
 
     def _of_folds(self, moments: Array, facets: Index) -> Array:
         """Moments (k, 2, 2) of facets whose folds, opposite their corners, have moments (k, 3)."""
@@ -128,10 +150,12 @@ class StateReader:
         return _tensor(work, half_shear=True)
 
     def _add_bars(self, state: SheetState, kernel: BarKernel, step: Step) -> None:
-        if kernel.strain != "green" or kernel.law != "linear" or kernel.scaled:
+        if kernel.strain != "green" or kernel.law != "linear" or kernel.drive is not None:
             return  # no bar of a sheet
         rows, edges = matched(np.sort(kernel.conn, axis=1), np.sort(self.mesh.edges, axis=1))
-        strain = self.results.member_deformation(kernel, step)[rows]
+        strain = kernel.beyond(self.results.member_deformation(kernel, step), step.lam)[rows]
+        if kernel.natural(step.lam) is not None:
+            state.natural[:] = np.nan  # of edges, not of facets
         line_force = kernel.EA[rows] * strain * kernel.rest_length[rows]  # force times length
         energy = self.results.member_energy(kernel, step)[rows]
         for facet, corner, share, chosen in self._sides(edges):

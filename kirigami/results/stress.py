@@ -64,6 +64,11 @@ class SheetStress:
         Sheet thickness [length], or that of each facet.
     material : Material, Orthotropic, Laminate or tuple of them
         Elastic constants of the sheet, or of each facet.
+    natural : ndarray, shape (s, m, 6)
+        Strain and curvature (exx, eyy, gamma_xy, kxx, kyy, 2 kxy) at which facets bear nothing, by
+        :class:`kirigami.Actuate`; nan on bars and hinges, where they are known of edges alone.
+    heat : ndarray, shape (s, m, 2)
+        Heat at the lower and upper faces that is in them.
 
     Examples
     --------
@@ -88,6 +93,8 @@ class SheetStress:
     area: Floats
     thickness: float | Floats
     material: SheetMaterial | tuple[SheetMaterial, ...]
+    natural: Floats | None = None
+    heat: Floats | None = None
 
     @property
     def _constants(self) -> SheetConstants:
@@ -121,20 +128,48 @@ class SheetStress:
             if isinstance(material, Laminate):  # whose layers do not share forces and moments evenly
                 at = number == position
                 strain = self.strain[..., at, :, :] - height * material.thickness * self.curvature[..., at, :, :]
-                found[..., at, :, :] = _tensor(_components(strain) @ material.elasticity(height))
+                felt = _components(strain) - self._free(material, height, at)
+                found[..., at, :, :] = _tensor(felt @ material.elasticity(height))
         return found
+
+    def _free(self, material: Laminate, height: float, at: NDArray[np.bool_]) -> Floats | float:
+        """Strain (..., k, 3) of a fibre of facets at which it bears nothing: what heat makes of its layer, and what the
+        sheet as a whole is told beside it."""
+        if self.natural is None or self.heat is None or not self.natural.any():
+            return 0.0
+        natural, heat, thickness = self.natural[..., at, :], self.heat[..., at, :], material.thickness
+        found = np.zeros((*natural.shape[:-1], 3))
+        if heat.any():
+            section = material.section(thickness)
+            below, above = (np.linalg.solve(section, material.heated(thickness, *face)) for face in np.eye(2).tolist())
+            natural = natural - heat[..., :1] * below - heat[..., 1:] * above
+            local = heat[..., :1] * (0.5 - height) + heat[..., 1:] * (0.5 + height)
+            found += local * material.free_strain(height)
+        return np.asarray(found + natural[..., :3] - height * thickness * natural[..., 3:])
 
     def by_plate_theory(self) -> SheetStress:
         """The stress that plate theory makes of strain and curvature, whatever the elements bear.
 
         For rungs of bars and hinges, whose own stress has their Poisson ratios and the pattern of their mesh; energies
         are those of a plate with uniform strain and curvature in each facet.
+
+        Raises
+        ------
+        ModelError
+            The sheet is actuated, and made of bars and hinges, which do not tell what facets bear nothing at.
         """
         felt = np.concatenate([_components(self.strain), _components(self.curvature)], axis=-1)
+        if self.natural is not None:
+            if np.isnan(self.natural).any():
+                raise ModelError(
+                    "by_plate_theory: the sheet is actuated, and what its facets bear nothing at is known of their "
+                    "edges alone on bars and hinges: use stiffness='shell' or 'facet'"
+                )
+            felt = felt - self.natural
         borne = np.einsum("mab,...mb->...ma", self.sections, felt)
         force, moment = _tensor(borne[..., :3]), _tensor(borne[..., 3:])
-        stretching = 0.5 * self.area * (force * self.strain).sum(axis=(-2, -1))
-        bending = 0.5 * self.area * (moment * self.curvature).sum(axis=(-2, -1))
+        stretching = 0.5 * self.area * (borne[..., :3] * felt[..., :3]).sum(axis=-1)
+        bending = 0.5 * self.area * (borne[..., 3:] * felt[..., 3:]).sum(axis=-1)
         return replace(self, force=force, moment=moment, membrane_energy=stretching, bending_energy=bending)
 
     def principal(self, fibre: str = "middle") -> Floats:
@@ -225,7 +260,8 @@ def sheet_stress(
     if step is not None:
         parts = {name: values[0] for name, values in parts.items()}
     elif not states:
-        parts = {name: np.zeros((0, len(mesh.triangles), *(() if "energy" in name else (2, 2)))) for name in names}
+        shapes = {"natural": (6,), "heat": (2,), "membrane_energy": (), "bending_energy": ()}
+        parts = {name: np.zeros((0, len(mesh.triangles), *shapes.get(name, (2, 2)))) for name in names}
     return SheetStress(**parts, area=reader.area, thickness=height, material=made_of)
 
 

@@ -23,7 +23,7 @@ NOT_CALLED: dict[str, str] = {
     **dict.fromkeys(
         """Kernel Kernel.* *.lower *.reserve Bar.held Facet.held BendHinge.held TorsionSpring3.held Crease.held
         Contribution Tangent displacement_of ModelObject Numbering* stiffness.SheetConstants.* *.elasticity
-        *.weights *.section *.checked_thickness *.mass_per_area""".split(),
+        *.weights *.section *.checked_thickness *.mass_per_area *.free_strain *.heated""".split(),
         CONTRACT,
     ),
     **dict.fromkeys(("*Error", "*Warning"), ERRORS),

@@ -207,10 +207,10 @@ def kernel() -> kg.Kernel:
 
 
 CALLS: dict[str, Callable[[], Call]] = {
-    "Material": lambda: (kg.Material, {"E": 1.0, "nu": 0.3, "density": 1.0}),
+    "Material": lambda: (kg.Material, {"E": 1.0, "nu": 0.3, "density": 1.0, "expansion": 1.0}),
     "Orthotropic": lambda: (
         kg.Orthotropic,
-        {"E1": 2.0, "E2": 1.0, "nu12": 0.3, "G12": 0.5, "angle": 0.1, "density": 1.0},
+        {"E1": 2.0, "E2": 1.0, "nu12": 0.3, "G12": 0.5, "angle": 0.1, "density": 1.0, "expansion": (1.0, 2.0)},
     ),
     "Laminate": lambda: (kg.Laminate, {"layers": [(STEEL, 0.1)]}),
     "Node": lambda: (kg.Node, {"x": 0.0, "y": 0.0, "z": 0.0, "name": "a"}),
@@ -238,7 +238,10 @@ CALLS: dict[str, Callable[[], Call]] = {
     "Fix": lambda: (kg.Fix, {"nodes": nodes(2), "dofs": "xy", "clamp": False}),
     "Prescribe": lambda: (kg.Prescribe, {"nodes": nodes(2), "x": 0.1}),
     "Prescribe.held": lambda: (kg.Prescribe(nodes(2), x=0.1).held, {"lam": 0.5}),
-    "Actuate": lambda: (kg.Actuate, {"facets": [0], "strain": (0.1, 0, 0), "curvature": (0, 0, 0.1), "constant": True}),
+    "Actuate": lambda: (
+        kg.Actuate,
+        {"facets": [0], "strain": (0.1, 0, 0), "curvature": (0, 0, 0.1), "constant": True, "heat": (1.0, 2.0)},
+    ),
     "Actuate.held": lambda: (kg.Actuate(strain=(0.1, 0, 0)).held, {"lam": 0.5}),
     "FlowPressure": lambda: (kg.FlowPressure, {"q": 0.1, "direction": (0, 0, 1), "facets": [0], "constant": True}),
     "FlowPressure.held": lambda: (kg.FlowPressure(0.1).held, {"lam": 0.5}),

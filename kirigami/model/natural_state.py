@@ -1,0 +1,237 @@
+"""How the elements of a sheet take a strain and a curvature that its facets have by themselves, on every rung.
+
+* Shell facets take them as they are.
+* Flat facets take the strain as it is. Their folds, and the hinges of sheets of bars, take the angle that flat facets
+  make on a surface of that curvature, theta = R : k (:mod:`kirigami.geometry.folds`); where the curvature jumps at the
+  fold, the mean by area, since both sides bend by the same moment. So a curvature that a sheet can take without being
+  stretched is taken without force, on any mesh. An edge that is held against its mirror image takes half of that.
+* A bar takes the strain along it; where it jumps, the mean by the shares of the two sides in its stiffness.
+
+Axes of a facet that is not flat in the drawing are those of its material: the first is the projection of x on it.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kirigami.elements.bar import BarKernel
+from kirigami.elements.bend_hinge import BendHingeKernel
+from kirigami.elements.clamp_hinge import HeldEdgeKernel
+from kirigami.elements.facet import FacetKernel
+from kirigami.elements.held_edges import facet_edges
+from kirigami.elements.shell_kernel import ShellFacetKernel
+from kirigami.errors import ModelError
+from kirigami.geometry.folds import fold_curvature_rates
+from kirigami.primitives.kernel import Array
+from kirigami.primitives.material import strain_turn
+from kirigami.primitives.parts import Numbering
+
+Index = NDArray[np.int64]
+
+
+class NaturalState:
+    """Tells the elements of one sheet what they bear nothing at.
+
+    Parameters
+    ----------
+    numbering : Numbering
+        The model, its elements lowered.
+    owner : str
+        Who asks, for messages.
+    """
+
+    def __init__(self, numbering: Numbering, owner: str) -> None:
+        self.numbering, self.owner = numbering, owner
+        self.mesh: Any = numbering.mesh
+        self.triangles: Index = self.mesh.triangles
+        self.place = np.zeros((len(numbering.rest), 3))
+        self.place[:, : numbering.dim] = numbering.rest
+        corner = self.place[self.triangles]
+        product = np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0])
+        size = np.linalg.norm(product, axis=1)
+        self.area, self.normal = 0.5 * size, product / size[:, None]
+        across = np.array([1.0, 0.0, 0.0]) - self.normal[:, :1] * self.normal
+        standing = np.flatnonzero(np.linalg.norm(across, axis=1) < 1e-6)
+        if standing.size:
+            raise ModelError(
+                f"{owner}: facet {standing[0]} of the mesh stands on the x axis, so that it has no direction to count "
+                "strain from: turn the model"
+            )
+        self.axis = across / np.linalg.norm(across, axis=1)[:, None]
+        self.surfaces = [kernel for kernel in numbering.kernels if isinstance(kernel, (ShellFacetKernel, FacetKernel))]
+
+    def tell(self, facets: Index, values: Array, constant: bool) -> None:
+        """Add strain and curvature (k, 6) of facets (k,), in the axes of the drawing."""
+        state = np.zeros((len(self.triangles), 6))
+        state[facets] = values
+        if self.numbering.dim == 2 and state[:, 3:].any():
+            raise ModelError(f"{self.owner}: nothing bends in a model with dim=2: give no curvature and even heat")
+        if any(isinstance(kernel, ShellFacetKernel) for kernel in self.surfaces):
+            self._tell_shells(facets, state, constant)
+            return
+        folds = self._folds(state) if state[:, 3:].any() else np.zeros((2, len(self.mesh.edges)))
+        if self.surfaces:
+            self._tell_facets(facets, state, folds[0], constant)
+        else:
+            self._tell_bars(facets, state, folds[0], constant)
+        if folds.any():
+            self._tell_held_edges(folds, constant)
+
+    def warm(self, facets: Index, heat: Array, constant: bool) -> None:
+        """Tell shell facets (k,) the heat (2,) at their faces; others have one layer, which needs no more than
+        :meth:`tell`."""
+        for kernel in self.surfaces:
+            if isinstance(kernel, ShellFacetKernel):
+                rows, _ = self._rows(kernel.conn[:, :3], facets)
+                kernel.warm(rows, np.broadcast_to(heat, (len(rows), 2)), constant)
+
+    def _rows(self, corners: Index, facets: Index) -> tuple[Index, Index]:
+        """Members (k,) that are among the facets of the mesh, and which of these they are."""
+        size = len(self.numbering.rest)
+        known, wanted = _codes(corners, size), _codes(self.triangles[facets], size)
+        order = np.argsort(wanted)
+        at = order[np.minimum(np.searchsorted(wanted[order], known), len(wanted) - 1)]
+        rows = np.flatnonzero(wanted[at] == known)
+        return rows, facets[at[rows]]
+
+    def _check_found(self, found: int, wanted: int, what: str) -> None:
+        if found < wanted:
+            raise ModelError(f"{self.owner}: {wanted - found} of its {what} were taken out of the model")
+
+    def _tell_shells(self, facets: Index, state: Array, constant: bool) -> None:
+        found = 0
+        for kernel in self.surfaces:
+            rows, at = self._rows(kernel.conn[:, :3], facets)
+            kernel.actuate(rows, self._local(kernel.conn[rows, :3], at, state[at]), constant)
+            found += len(rows)
+        self._check_found(found, len(facets), "facets")
+
+    def _local(self, corners: Index, facets: Index, values: Array) -> Array:
+        """Strain and curvature (k, 6) in the axes of elements with `corners` (k, 3), the first along the edge 01."""
+        along = self.place[corners[:, 1]] - self.place[corners[:, 0]]
+        return self._turned(along, facets, values)
+
+    def _turned(self, along: Array, facets: Index, values: Array) -> Array:
+        """Strain and curvature (k, 6) of facets in axes of which the first is `along` (k, 3)."""
+        axis, normal = self.axis[facets], self.normal[facets]
+        angle = np.arctan2((np.cross(axis, along) * normal).sum(axis=1), (axis * along).sum(axis=1))
+        parts = np.einsum("nab,npb->npa", strain_turn(angle), values.reshape(-1, 2, 3))
+        return np.asarray(parts.reshape(-1, 6))
+
+    def _tell_facets(self, facets: Index, state: Array, folds: Array, constant: bool) -> None:
+        every = np.arange(len(self.triangles))
+        table, found = facet_edges(self.mesh), 0
+        for kernel in self.surfaces:
+            assert isinstance(kernel, FacetKernel)
+            rows, at = self._rows(kernel.conn[:, :3], every)
+            strain = self._local(kernel.conn[rows, :3], at, state[at])[:, :3]
+            kernel.actuate_sheet(rows, strain, folds[table[at]] * kernel.bends[rows], constant)
+            found += len(rows)
+        self._check_found(found, len(every), "facets")
+
+    # ---- bars and hinges
+
+    def _sides(self, edges: Index) -> list[tuple[Index, Index, Array]]:
+        """For both sides: which of `edges` have a facet there, that facet, and the edges' vectors (k, 3)."""
+        mesh = self.mesh
+        along = self.place[mesh.edges[edges, 1]] - self.place[mesh.edges[edges, 0]]
+        found = []
+        for side in (0, 1):
+            facet = mesh.edge_facets[edges, side]
+            there = np.flatnonzero(facet >= 0)
+            found.append((there, facet[there], along[there]))
+        return found
+
+    def _folds(self, state: Array) -> Array:
+        """Fold angles (2, edges) towards the normals that the curvature asks for: between the facets at an edge, zero
+        at edges of one; and against the image of one that is mirrored at the edge, halved, zero at the others."""
+        mesh = self.mesh
+        edges = np.arange(len(mesh.edges))
+        quads = np.zeros((len(edges), 4, 2))
+        quads[:, 2, 0] = mesh.edge_lengths
+        curvature, area = np.zeros((len(edges), 3)), np.zeros(len(edges))
+        for side, (there, facet, along) in enumerate(self._sides(edges)):
+            along = along / np.linalg.norm(along, axis=1)[:, None]
+            arm = self.place[mesh.edge_wings[there, side]] - self.place[mesh.edges[there, 0]]
+            aside = np.cross(self.normal[facet], along)
+            quads[there, 3 * side] = np.stack([(arm * along).sum(axis=1), (arm * aside).sum(axis=1)], axis=1)
+            curvature[there] += self.area[facet, None] * self._turned(along, facet, state[facet])[:, 3:]
+            area[there] += self.area[facet]
+        alone = mesh.edge_facets[:, 1] < 0
+        quads[alone, 3] = quads[alone, 0] * [1.0, -1.0]
+        rates = fold_curvature_rates(quads) * [1.0, 1.0, 0.5]  # of kxx, kyy and 2 kxy
+        angle = (rates * curvature).sum(axis=1) / area
+        angle[mesh.edge_folded] = 0.0  # a fold has an angle of its own
+        return np.stack([np.where(alone, 0.0, angle), np.where(alone, 0.5 * angle, 0.0)])
+
+    def _edges_of(self, pairs: Index) -> tuple[Index, Index]:
+        """Members (k,) that are edges of the mesh, the first on each, and which."""
+        size = len(self.numbering.rest)
+        mesh_codes = _codes(self.mesh.edges, size)
+        codes = _codes(pairs, size)
+        order = np.argsort(mesh_codes)
+        at = order[np.minimum(np.searchsorted(mesh_codes[order], codes), len(order) - 1)]
+        rows = np.flatnonzero(mesh_codes[at] == codes)
+        edges, first = np.unique(at[rows], return_index=True)
+        return rows[first], edges
+
+    def _tell_bars(self, facets: Index, state: Array, folds: Array, constant: bool) -> None:
+        sheet, mesh = self.numbering.sheet, self.mesh
+        count = len(self.triangles)
+        stiff = sheet.thickness_of_facets(count) * sheet.of_facets("E") * self.area
+        edges = np.arange(len(mesh.edges))
+        strain, share = np.zeros(len(edges)), np.zeros(len(edges))
+        for there, facet, along in self._sides(edges):
+            strain[there] += stiff[facet] * self._turned(along, facet, state[facet])[:, 0]
+            share[there] += stiff[facet]
+        strain /= share
+        bars, hinges = np.zeros(len(edges), dtype=bool), np.zeros(len(edges), dtype=bool)
+        for kernel in self.numbering.kernels:
+            if isinstance(kernel, BarKernel) and (kernel.strain, kernel.law, kernel.drive) == ("green", "linear", None):
+                rows, at = self._edges_of(kernel.conn)
+                kernel.actuate(rows, strain[at], constant)
+                bars[at] = True
+            elif isinstance(kernel, BendHingeKernel) and folds.any():
+                rows, at = self._edges_of(kernel.conn[:, 1:3])
+                kernel.actuate(rows, self._senses(kernel.conn[rows], at) * folds[at], constant)
+                hinges[at] = True
+        touched = np.unique(facet_edges(mesh)[facets])
+        self._check_found(int(bars[touched].sum()), len(touched), "bars")
+        bent = touched[folds[touched] != 0]
+        self._check_found(int(hinges[bent].sum()), len(bent), "hinges")
+
+    def _senses(self, conn: Index, edges: Index) -> Array:
+        """Sign (k,) by which hinges (k, 4) count angles that edges have towards the normals of their facets."""
+        mesh = self.mesh
+        side = (conn[:, 0] != mesh.edge_wings[edges, 0]).astype(np.int64)
+        normal = self.normal[mesh.edge_facets[edges, side]]
+        wing, start, end = (self.place[conn[:, k]] for k in range(3))
+        return np.asarray(np.sign((np.cross(end - start, wing - start) * normal).sum(axis=1)))
+
+    def _tell_held_edges(self, folds: Array, constant: bool) -> None:
+        for kernel in self.numbering.kernels:
+            if not isinstance(kernel, HeldEdgeKernel):
+                continue
+            chi = np.zeros(len(kernel.conn))
+            for member, at, weight, angle in (
+                (kernel.turn_of, kernel.turn_at[:, 1:], kernel.turn_weight, folds[1]),
+                (kernel.fold_of, kernel.fold_at[:, 1:3], kernel.fold_weight, folds[0]),
+            ):
+                pairs = kernel.conn[member[:, None], at]
+                size = len(self.numbering.rest)
+                codes = _codes(self.mesh.edges, size)
+                order = np.argsort(codes)
+                edges = order[np.searchsorted(codes[order], _codes(pairs, size))]
+                np.add.at(chi, member, weight * angle[edges])
+            kernel.actuate(np.arange(len(chi)), chi, constant)
+
+
+def _codes(nodes: Index, size: int) -> Index:
+    """One number (m,) for the nodes of each member (m, k), in whatever order."""
+    found = np.zeros(len(nodes), np.int64)
+    for column in np.sort(nodes, axis=1).T:
+        found = found * size + column
+    return found
