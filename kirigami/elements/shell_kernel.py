@@ -88,14 +88,18 @@ class ShellFacetKernel(NaturalKernel):
         return self.with_natural(own if self._heat is None else {**own, "heat": self._heat})
 
     def actuate(self, members: NDArray[np.int64], values: Array, constant: bool) -> None:
-        """Add strain and curvature (k, 6), in the axes of :meth:`deformation`. A curved sheet whose layers all are
-        strained by e is similar to itself with the second form b + (e b + b e) / 2: so it is not bent by that."""
+        super().actuate(members, self.grown(members, values), constant)
+
+    def grown(self, members: NDArray[np.int64], values: Array) -> Array:
+        """Strain and curvature (k, 6), in the axes of :meth:`deformation`, at which facets bear nothing whose layers
+        have a strain, and a curvature beside it. A curved sheet whose layers all are strained by e is similar to itself
+        with the second form b + (e b + b e) / 2."""
         b11, b22, b12 = (self._rest_form[members] * [1.0, 1.0, 0.5]).T
         e11, e22, e12 = (values[:, :3] * [1.0, 1.0, 0.5]).T
         grown = np.stack([e11 * b11 + e12 * b12, e12 * b12 + e22 * b22, e12 * (b11 + b22) + b12 * (e11 + e22)], axis=1)
         values = values.copy()
         values[:, 3:] += grown
-        super().actuate(members, values, constant)
+        return values
 
     @property
     def _rest_form(self) -> Array:

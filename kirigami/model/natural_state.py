@@ -49,18 +49,14 @@ class NaturalState:
         self.triangles: Index = self.mesh.triangles
         self.place = np.zeros((len(numbering.rest), 3))
         self.place[:, : numbering.dim] = numbering.rest
-        corner = self.place[self.triangles]
-        product = np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0])
-        size = np.linalg.norm(product, axis=1)
-        self.area, self.normal = 0.5 * size, product / size[:, None]
-        across = np.array([1.0, 0.0, 0.0]) - self.normal[:, :1] * self.normal
+        self.area, self.normal, across = _frames(self.place[self.triangles])
         standing = np.flatnonzero(np.linalg.norm(across, axis=1) < 1e-6)
         if standing.size:
             raise ModelError(
                 f"{owner}: facet {standing[0]} of the mesh stands on the x axis, so that it has no direction to count "
                 "strain from: turn the model"
             )
-        self.axis = across / np.linalg.norm(across, axis=1)[:, None]
+        self.axis = across
         self.surfaces = [kernel for kernel in numbering.kernels if isinstance(kernel, (ShellFacetKernel, FacetKernel))]
 
     def tell(self, facets: Index, values: Array, constant: bool) -> None:
@@ -105,21 +101,18 @@ class NaturalState:
         found = 0
         for kernel in self.surfaces:
             rows, at = self._rows(kernel.conn[:, :3], facets)
-            kernel.actuate(rows, self._local(kernel.conn[rows, :3], at, state[at]), constant)
+            kernel.actuate(rows, self._local(kernel.conn[rows, :3], state[at]), constant)
             found += len(rows)
         self._check_found(found, len(facets), "facets")
 
-    def _local(self, corners: Index, facets: Index, values: Array) -> Array:
+    def _local(self, corners: Index, values: Array) -> Array:
         """Strain and curvature (k, 6) in the axes of elements with `corners` (k, 3), the first along the edge 01."""
-        along = self.place[corners[:, 1]] - self.place[corners[:, 0]]
-        return self._turned(along, facets, values)
+        return in_facets(self.place[corners], values)
 
     def _turned(self, along: Array, facets: Index, values: Array) -> Array:
         """Strain and curvature (k, 6) of facets in axes of which the first is `along` (k, 3)."""
         axis, normal = self.axis[facets], self.normal[facets]
-        angle = np.arctan2((np.cross(axis, along) * normal).sum(axis=1), (axis * along).sum(axis=1))
-        parts = np.einsum("nab,npb->npa", strain_turn(angle), values.reshape(-1, 2, 3))
-        return np.asarray(parts.reshape(-1, 6))
+        return _in_axes(axis, normal, along, values)
 
     def _tell_facets(self, facets: Index, state: Array, folds: Array, constant: bool) -> None:
         every = np.arange(len(self.triangles))
@@ -127,7 +120,7 @@ class NaturalState:
         for kernel in self.surfaces:
             assert isinstance(kernel, FacetKernel)
             rows, at = self._rows(kernel.conn[:, :3], every)
-            strain = self._local(kernel.conn[rows, :3], at, state[at])[:, :3]
+            strain = self._local(kernel.conn[rows, :3], state[at])[:, :3]
             kernel.actuate_sheet(rows, strain, folds[table[at]] * kernel.bends[rows], constant)
             found += len(rows)
         self._check_found(found, len(every), "facets")
@@ -227,6 +220,28 @@ class NaturalState:
                 edges = order[np.searchsorted(codes[order], _codes(pairs, size))]
                 np.add.at(chi, member, weight * angle[edges])
             kernel.actuate(np.arange(len(chi)), chi, constant)
+
+
+def _frames(corners: Array) -> tuple[Array, Array, Array]:
+    """Areas (k,), normals and projections of x (k, 3) of facets with `corners` (k, 3, 3)."""
+    product = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    size = np.linalg.norm(product, axis=1)
+    normal = product / size[:, None]
+    return 0.5 * size, normal, np.array([1.0, 0.0, 0.0]) - normal[:, :1] * normal
+
+
+def _in_axes(axis: Array, normal: Array, along: Array, values: Array) -> Array:
+    """Strain and curvature (k, 6) in axes of which the first is `along`, from those of which it is `axis` (k, 3)."""
+    angle = np.arctan2((np.cross(axis, along) * normal).sum(axis=1), (axis * along).sum(axis=1))
+    parts = np.einsum("nab,npb->npa", strain_turn(angle), values.reshape(-1, 2, 3))
+    return np.asarray(parts.reshape(-1, 6))
+
+
+def in_facets(corners: Array, values: Array) -> Array:
+    """Strain and curvature (k, 6) in the axes of facets with `corners` (k, 3, 3), the first along the edge from corner
+    0 to 1, from those of the drawing."""
+    _, normal, axis = _frames(corners)
+    return _in_axes(axis, normal, corners[:, 1] - corners[:, 0], values)
 
 
 def _codes(nodes: Index, size: int) -> Index:

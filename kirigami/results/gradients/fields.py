@@ -17,9 +17,9 @@ from numpy.typing import NDArray
 
 from kirigami.elements.shell_kernel import ShellFacetKernel
 from kirigami.errors import AnalysisError, KirigamiWarning, ModelError
-from kirigami.model.actuate import _turned
 from kirigami.model.from_mesh import sheet_parts
 from kirigami.model.model import Model
+from kirigami.model.natural_state import in_facets
 from kirigami.primitives.kernel import Array, Kernel
 from kirigami.primitives.material import Laminate, Material
 from kirigami.primitives.parts import Numbering
@@ -77,12 +77,12 @@ def of_sheet(adjoints: Sequence[Adjoint], name: str, owner: str) -> list[Array]:
 def _of_natural(adjoint: Adjoint, shell: ShellFacetKernel, name: str) -> Array:
     """By a strain or curvature (facets, 3) in the axes of the drawing, there in full."""
     local = adjoint.of_member_arrays(shell)["natural"]
-    corners = shell.rest[shell.conn[:, :3]]
+    corners, every = shell.rest[shell.conn[:, :3]], np.arange(len(local))
     found = np.empty((len(local), 3))
     for axis in range(3):
-        unit = np.eye(3)[axis]
-        pair = (unit, np.zeros(3)) if name == "strain" else (np.zeros(3), unit)
-        found[:, axis] = (_turned(corners, *pair) * local).sum(axis=1)
+        unit = np.zeros((len(local), 6))
+        unit[:, axis if name == "strain" else 3 + axis] = 1.0
+        found[:, axis] = (shell.grown(every, in_facets(corners, unit)) * local).sum(axis=1)
     return found
 
 
