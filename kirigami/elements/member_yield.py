@@ -19,6 +19,8 @@ from numpy.typing import NDArray
 
 from kirigami.elements.bar import BarKernel
 from kirigami.elements.bend_hinge import BendHingeKernel
+from kirigami.elements.natural import YIELDS_AND_DRIVEN
+from kirigami.errors import ModelError
 from kirigami.primitives.hardening import Hardening, flow
 from kirigami.primitives.kernel import Array
 
@@ -40,10 +42,11 @@ class YieldingBarKernel(BarKernel):
         members: NDArray[np.int64] | None = None,
         targets: Array | None = None,
         mass_per_length: Array | None = None,
+        natural: Array | None = None,
         *,
         yields: Array,
     ) -> None:
-        super().__init__(rest, conn, EA, rest_length, strain, law, members, targets, mass_per_length)
+        super().__init__(rest, conn, EA, rest_length, strain, law, members, targets, mass_per_length, natural)
         self.hardening = Hardening.unpacked(yields)
         self._state = np.zeros((len(conn), 2))
 
@@ -62,8 +65,12 @@ class YieldingBarKernel(BarKernel):
         self._state = np.zeros((len(self.conn), 2)) if value is None else np.array(value, dtype=float)
 
     def commit(self, x: Array) -> None:
-        _, _, plastic, accumulated = self._flow(self.deformation(x))
+        _, _, plastic, accumulated = self._flow(self.beyond(self.deformation(x), 0.0))
         self._state = np.stack([plastic, accumulated], axis=1)
+
+    def actuate(self, members: NDArray[np.int64], values: Array, constant: bool) -> None:
+        super().actuate(members, values, constant)
+        _refuse_drive(constant)
 
     def _flow(self, strain: Array) -> tuple[Array, Array, Array, Array]:
         return flow(self.EA, self.hardening, strain, self._state[:, 0], self._state[:, 1])
@@ -122,6 +129,10 @@ class YieldingHingeKernel(BendHingeKernel):
         _, _, plastic, accumulated = self._flow(angle - self.rest_angle)
         self._committed, self._state = angle, np.stack([plastic, accumulated], axis=1)
 
+    def actuate(self, members: NDArray[np.int64], values: Array, constant: bool) -> None:
+        super().actuate(members, values, constant)
+        _refuse_drive(constant)
+
     def _flow(self, excess: Array) -> tuple[Array, Array, Array, Array]:
         return flow(self.stiffness, self.hardening, excess, self._state[:, 0], self._state[:, 1])
 
@@ -141,3 +152,8 @@ class YieldingHingeKernel(BendHingeKernel):
 
     def dissipated(self, x: Array) -> Array:
         return self.hardening.dissipated(self._state[:, 1])
+
+
+def _refuse_drive(constant: bool) -> None:
+    if not constant:
+        raise ModelError(YIELDS_AND_DRIVEN)

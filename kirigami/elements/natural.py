@@ -13,6 +13,11 @@ from numpy.typing import NDArray
 
 from kirigami.primitives.kernel import Array, Contribution, Kernel
 
+YIELDS_AND_DRIVEN = (
+    "a sheet that yields cannot be driven by Actuate with the load factor, since what has yielded would depend on it: "
+    "use constant=True, or a material with hardening=None"
+)
+
 
 class NaturalKernel(Kernel):
     """Base of the kernels whose members :class:`kirigami.Actuate` may drive."""

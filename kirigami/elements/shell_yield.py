@@ -19,6 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kirigami.elements.layers import LAYERS, Layers
+from kirigami.elements.natural import YIELDS_AND_DRIVEN
 from kirigami.elements.shell_geometry import AREA_PLACES
 from kirigami.elements.shell_kernel import Answer, ShellFacetKernel
 from kirigami.errors import ModelError
@@ -87,13 +88,14 @@ class YieldingShellKernel(ShellFacetKernel):
         members: NDArray[np.int64] | None = None,
         planes: Array | None = None,
         natural: Array | None = None,
+        heat: Array | None = None,
         *,
         thickness: Array,
         E: Array,
         nu: Array,
         yields: Array,
     ) -> None:
-        super().__init__(rest, conn, section, forward, density, members, planes, natural)
+        super().__init__(rest, conn, section, forward, density, members, planes, natural, heat)
         self.hardening = Hardening.unpacked(yields)
         self.layers = Layers(thickness, E, nu, self.hardening)
         self._facets = np.zeros(0, dtype=np.int64)  # those that have yielded, in their order
@@ -104,16 +106,13 @@ class YieldingShellKernel(ShellFacetKernel):
         own = {name: getattr(self.layers, name) for name in ("thickness", "E", "nu")}
         return {**super().arrays(), **own, "yields": self.hardening.packed}
 
-    def actuate(self, facets: NDArray[np.int64], local: Array, constant: bool) -> None:
-        super().actuate(facets, local, constant)
+    def actuate(self, members: NDArray[np.int64], values: Array, constant: bool) -> None:
+        super().actuate(members, values, constant)
         self._refuse_drive()
 
     def _refuse_drive(self) -> None:
         if self.scaled:
-            raise ModelError(
-                "a sheet that yields cannot be driven by Actuate with the load factor, since what has yielded would "
-                "depend on it: use constant=True, or a material with hardening=None"
-            )
+            raise ModelError(YIELDS_AND_DRIVEN)
 
     def compiled(self) -> CompiledKernel | None:
         if self._natural is not None:
