@@ -89,6 +89,27 @@ def test_the_widest_opening_within_a_ligament(method):
     assert found.design.ligament() >= kept[1] * (1 - 1e-6)
 
 
+def test_a_stiffness_and_a_poisson_ratio_are_met():
+    start = design(edge=1.0)
+    hidden = start.at(inner=0.8)
+    goal = hidden.walk([0.4999, 0.5, 0.5001], tol=1e-11)
+    at = [int(np.argmin(abs(goal.lam - lam))) for lam in (0.4999, 0.5, 0.5001)]
+    force, place = goal.reaction("driven_0", "y")[at], goal.position("top")[at, :, 1].mean(axis=1)
+    slope = (force[2] - force[0]) / (place[2] - place[0])
+    targets = [(("stiffness", "driven_0", "y"), 0.5, slope), (("poisson_ratio",), 0.5, goal.poisson_ratio()[at[1]])]
+    found = kg.Inverse(start, targets, corrections=None).run()
+    assert found.values["inner"] == pytest.approx(0.8, abs=1e-3)
+
+
+def test_nodes_by_number_are_not_taken_for_those_of_a_finer_mesh():
+    start = design(edge=1.0)
+    found = kg.Inverse(start, (lambda x, f: float(x[10, 1]), 1.0, 1.0), evaluations=2).run()
+    assert not found.verified
+    assert "numbers its nodes anew" in found.message
+    with pytest.raises(kg.ModelError, match="of a path"):
+        kg.Inverse(start, (("critical", 0), 1.0, 1.0)).run()
+
+
 def test_what_is_out_of_reach_is_told():
     found = kg.Inverse(design(), (FORCE, 1.0, 1e6), corrections=None, evaluations=12).run()
     assert found.status in ("closest", "out of evaluations")

@@ -13,11 +13,12 @@ from typing import Any
 import numpy as np
 
 from kirigami.design.answer import InverseResult
+from kirigami.design.asked import asked, carries_over, combined
 from kirigami.design.branch import Branch, rates
 from kirigami.design.design import Design
 from kirigami.design.methods import METHODS, OutOfEvaluationsError, chosen_method, optimise
 from kirigami.design.targets import Bound, Target, bounds_of, load_factors, targets_of
-from kirigami.errors import AnalysisError, GeometryError, KirigamiError, KirigamiWarning, ModelError
+from kirigami.errors import AnalysisError, KirigamiError, KirigamiWarning, ModelError
 from kirigami.files import whole_file
 from kirigami.primitives.checks import (
     require_boolean,
@@ -29,7 +30,6 @@ from kirigami.primitives.checks import (
     require_whole,
 )
 from kirigami.primitives.kernel import Array
-from kirigami.results.gradients.functionals import tell_of
 
 CLOSE = 1e-6  # error of a target, over its size, at which a search may end
 VERIFIED = 0.03  # error on the finer mesh up to which an answer counts as verified
@@ -153,18 +153,16 @@ class _Search:
         self.best: Trial | None = None
         self.shift = [np.zeros(len(target.lam)) for target in problem.targets]
         self.lams = load_factors(problem.targets, problem.constraints)
+        self.carries = all(carries_over(target.functional) for target in problem.targets)
         self._resume()
         self.branch = Branch(self.design, self.lams)
         for target in problem.targets:
             if np.isnan(target.scale):  # a wish is measured by what the start does
                 at = self.branch.at[self.lams.index(float(target.lam[0]))]
-                told = abs(at.told(self._tell(target.functional)).value)
+                told = abs(asked(target.functional, at, self.branch.results, slopes=False).value)
                 object.__setattr__(target, "scale", told or 1.0)
 
     # ---- one design
-
-    def _tell(self, functional: Any) -> Any:
-        return tell_of(functional, self.branch.results, "Inverse")
 
     def trial(self, x: Array) -> Trial | None:
         """A design by its parameters; None where it does not exist or cannot be walked."""
@@ -179,11 +177,16 @@ class _Search:
                 if design.mesh.min_angle < 10.0:
                     design = self._mesh_anew(design)
                 self.branch.go_to(design)
-            found = self._evaluated(x)
-        except (GeometryError, AnalysisError, ModelError) as error:
-            if isinstance(error, ModelError) and "functional" in str(error):
-                raise
-            self._note(x, float("nan"), str(error))
+            failed = ""
+        except KirigamiError as error:
+            failed = str(error)
+        if not failed:
+            try:
+                found = self._evaluated(x)
+            except AnalysisError as error:  # what is asked for wrongly is no matter of the design, and is raised
+                failed = str(error)
+        if failed:
+            self._note(x, float("nan"), failed)
             return None
         if self.best is None or found.worth < self.best.worth:
             self.best = found
@@ -203,30 +206,25 @@ class _Search:
 
     def _evaluated(self, x: Array) -> Trial:
         problem, branch = self.problem, self.branch
-        adjoints, told, errors, scales = [], [], [], []
+        pieces, errors, scales = [], [], []
         for target, shift in zip(problem.targets, self.shift):
-            tell = self._tell(target.functional)
             for lam, wanted, moved in zip(target.lam.tolist(), target.values, shift):
-                at = branch.at[self.lams.index(lam)]
-                answer = at.told(tell)
-                adjoints.append(at.adjoint(answer))
-                told.append(answer.value)
-                scale = target.wish / target.scale if target.wish else 1.0 / target.scale
+                pieces.append(asked(target.functional, branch.at[self.lams.index(lam)], branch.results))
+                scale = (target.wish or 1.0) / target.scale
                 scales.append(scale)
-                errors.append(np.nan if target.wish else (answer.value - wanted + moved) * scale)
-        count = len(adjoints)
-        stated = [bound for bound in problem.constraints if not bound.drawn]
-        for bound in stated:
-            at = branch.at[self.lams.index(bound.lam)]
-            adjoints.append(at.adjoint(at.told(self._tell(bound.what))))
-        slopes = rates(branch.design, adjoints)
+                errors.append(np.nan if target.wish else (pieces[-1].value - wanted + moved) * scale)
+        count, told = len(pieces), [piece.value for piece in pieces]
+        for bound in problem.constraints:
+            if not bound.drawn:
+                pieces.append(asked(bound.what, branch.at[self.lams.index(bound.lam)], branch.results))
+        slopes = combined(pieces, rates(branch.design, [part for piece in pieces for _, part in piece.parts]))
         bounds, bound_slopes, row = [], [], count
         for bound in problem.constraints:
             if bound.drawn:
                 bounds.append(bound.of(branch.design))
                 bound_slopes.append(bound.rates_of(branch.design))
             else:
-                bounds.append(adjoints[row].told.value)
+                bounds.append(pieces[row].value)
                 bound_slopes.append(slopes[row])
                 row += 1
         values, size = np.array(errors), np.array(scales)
@@ -302,7 +300,7 @@ class _Search:
                 except OutOfEvaluationsError:
                     status = "out of evaluations"
                 assert self.best is not None
-                if problem.corrections is None:
+                if problem.corrections is None or not self.carries:
                     break
                 fine, error = self._on_finer_mesh()
                 if error <= problem.tolerance / 3 or corrected >= problem.corrections:
@@ -326,8 +324,8 @@ class _Search:
         self.branch.factorizations += branch.factorizations
         found, worst = [], 0.0
         for target in self.problem.targets:
-            tell = tell_of(target.functional, branch.results, "Inverse")
-            told = np.array([branch.at[self.lams.index(lam)].told(tell).value for lam in target.lam.tolist()])
+            states = [branch.at[self.lams.index(lam)] for lam in target.lam.tolist()]
+            told = np.array([asked(target.functional, at, branch.results, slopes=False).value for at in states])
             found.append(told)
             if not target.wish:
                 worst = max(worst, float(np.abs(told - target.values).max() / target.scale))
@@ -373,6 +371,11 @@ class _Search:
         wished = all(target.wish for target in problem.targets)
         if wished and status == "closest":
             messages["closest"] = "nothing better was found"
+        if problem.corrections is not None and not self.carries:
+            messages[status] += (
+                "; not walked on a finer mesh, which numbers its nodes anew: give nodes by names of boundaries or "
+                "supports"
+            )
         if not inside:
             messages[status] += "; its constraints are not met"
         _, slope = self.wishes(best)

@@ -1,0 +1,65 @@
+"""What is asked of an equilibrium of a design: its value, and the adjoint solutions behind its derivatives."""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from kirigami.errors import AnalysisError, ModelError
+from kirigami.primitives.checks import shown
+from kirigami.results.gradients.equilibrium import Adjoint, Equilibrium
+from kirigami.results.gradients.functionals import tell_of
+from kirigami.results.gradients.gradient import STEP, stiffness_pair
+from kirigami.results.results import Results
+
+BY_NODES = ("force", "position", "stiffness")
+
+
+class Asked(NamedTuple):
+    """A value, and its derivative as a sum of weights times those of adjoint solutions."""
+
+    value: float
+    parts: list[tuple[float, Adjoint]]
+
+
+def asked(functional: Any, at: Equilibrium, results: Results, slopes: bool = True) -> Asked:
+    """A functional at an equilibrium, without what derivatives need unless `slopes` are wanted."""
+    kind = functional[0] if isinstance(functional, tuple) else ""
+    if kind == "critical":
+        raise ModelError(
+            f"Inverse: {shown(functional)} is of a path, not of an equilibrium: ask for a force or a stiffness"
+        )
+    if kind != "stiffness":
+        told = at.told(tell_of(functional, results, "Inverse"))
+        return Asked(told.value, [(1.0, at.adjoint(told))] if slopes else [])
+    if len(functional) != 3:
+        raise ModelError("Inverse: give ('stiffness', nodes, axis)")
+    tells = tuple(tell_of((name, *functional[1:]), results, "Inverse") for name in ("force", "position"))
+    sides, force, place = stiffness_pair(at, (tells[0], tells[1]))
+    if not place:
+        raise AnalysisError("Inverse: these nodes do not move with the load factor, so they have no stiffness")
+    parts = []
+    if slopes:
+        share = 1.0 / (2 * STEP * (abs(at.lam) or 1.0) * place)
+        for side, sign in zip(sides, (1.0, -1.0)):
+            for tell, weight in zip(tells, (share, -share * force / place)):
+                parts.append((sign * weight, side.adjoint(side.told(tell))))
+    return Asked(force / place, parts)
+
+
+def carries_over(functional: Any) -> bool:
+    """Whether a functional means the same on another mesh, which numbers its nodes anew."""
+    if not isinstance(functional, tuple) or functional[0] == "shape":
+        return False
+    return functional[0] not in BY_NODES or (len(functional) > 1 and isinstance(functional[1], str))
+
+
+def combined(pieces: list[Asked], rates: Any) -> Any:
+    """Derivatives (pieces, parameters) out of those of all adjoint solutions, in their order."""
+    found, row = [], 0
+    for piece in pieces:
+        weights = np.array([weight for weight, _ in piece.parts])
+        found.append(weights @ rates[row : row + len(weights)])
+        row += len(weights)
+    return np.array(found)
