@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import sys
 from pathlib import Path
 from typing import Any
@@ -10,11 +11,20 @@ HERE = Path(__file__).resolve().parent
 sys.path.insert(0, str(HERE.parent / "tools"))
 
 import notebooks  # noqa: E402
+import reference  # noqa: E402
 
 import kirigami  # noqa: E402
 
-# The tutorials are scripts; the site shows them as notebooks, run while it is built.
+# Pages are written to be read where they lie. What the site has in another form is made here: tutorials are scripts,
+# shown as notebooks that are run while it is built; each name of the reference has a page of its own.
 notebooks.convert(HERE / "tutorials")
+MADE = {
+    "api.md": reference.as_directives((HERE / "reference.md").read_text(encoding="utf-8")),
+    "changelog.md": (HERE.parent / "CHANGELOG.md").read_text(encoding="utf-8"),
+}
+for page, text in MADE.items():
+    if not (HERE / page).exists() or (HERE / page).read_text(encoding="utf-8") != text:
+        (HERE / page).write_text(text, encoding="utf-8")
 
 project = "kirigami"
 author = "the authors of kirigami"
@@ -27,7 +37,7 @@ extensions = [
     "sphinx.ext.viewcode",
     "myst_nb",
 ]
-exclude_patterns = ["_build", "generated/.*"]
+exclude_patterns = ["_build", "generated/.*", "reference.md"]
 templates_path = ["_templates"]
 
 default_role = "code"  # a name in single backticks is code
@@ -71,5 +81,20 @@ def formulas_as_written(app: Any, what: str, name: str, item: Any, options: Any,
     lines[:] = shown
 
 
+# Where links of the files lead on the site.
+LINKS = [
+    (r"\]\(\.\./tutorials/(\w+)\.py\)", r"](tutorials/\1)"),
+    (r"\]\(\.\./CHANGELOG\.md\)", "](changelog.md)"),
+    (r"\]\((\.\./docs/)?reference\.md", r"](\1api.md"),
+]
+
+
+def links_of_the_site(app: Any, page: str, source: list[str]) -> None:
+    """Links between files, as a code host follows them, become links between pages."""
+    for pattern, there in LINKS:
+        source[0] = re.sub(pattern, there, source[0])
+
+
 def setup(app: Any) -> None:
+    app.connect("source-read", links_of_the_site)
     app.connect("autodoc-process-docstring", formulas_as_written)

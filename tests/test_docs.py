@@ -1,35 +1,75 @@
-"""The reference of the documentation site lists every public name, and only names that exist."""
+"""The documentation can be read where it lies, names what there is, and leads to what exists."""
 
 from __future__ import annotations
 
-import importlib
+import configparser
 import re
+import sys
 from pathlib import Path
-from typing import Any
+
+import pytest
 
 import kirigami as kg
 
-REFERENCE = Path(__file__).resolve().parent.parent / "docs" / "reference.md"
+ROOT = Path(__file__).resolve().parent.parent
+sys.path.insert(0, str(ROOT / "tools"))
 
+import reference  # noqa: E402
 
-def listed() -> list[str]:
-    blocks = re.findall(r"```\{eval-rst\}\n(.*?)```", REFERENCE.read_text(encoding="utf-8"), re.DOTALL)
-    return [line.strip() for block in blocks for line in block.splitlines() if re.fullmatch(r"   [\w.]+", line)]
+PAGES = sorted([*(ROOT / "docs").glob("*.md"), ROOT / "README.md", ROOT / "tutorials" / "README.md"])
+MADE = ("api.md", "changelog.md")  # by docs/conf.py
+WRITTEN = [page for page in PAGES if page.name not in MADE]
 
 
 def test_every_public_name_is_listed_once() -> None:
-    names = listed()
+    names = reference.names()
     assert len(set(names)) == len(names)
     missing = set(kg.__all__) - {"__version__", *(name.split(".")[0] for name in names)}
-    assert not missing, f"public names that the reference leaves out: {sorted(missing)}"
+    assert not missing, f"public names that docs/reference.md leaves out: {sorted(missing)}"
 
 
-def test_every_listed_name_exists_and_says_what_it_is() -> None:
-    for name in listed():
-        found: Any = kg
-        for position, part in enumerate(name.split("."), start=1):
-            try:
-                found = getattr(found, part)
-            except AttributeError:
-                found = importlib.import_module("kirigami." + ".".join(name.split(".")[:position]))
-        assert found.__doc__, name
+def test_the_reference_says_what_the_docstrings_say() -> None:
+    text = reference.REFERENCE.read_text(encoding="utf-8")
+    assert reference.filled(text) == text, "run: python tools/reference.py"
+    assert all(reference.sentence(name) for name in reference.names())
+
+
+@pytest.mark.parametrize("page", WRITTEN, ids=[page.name for page in WRITTEN])
+def test_links_lead_somewhere(page: Path) -> None:
+    """As a code host follows them: to files of the repository."""
+    for there in re.findall(r"\]\(([^)#\s]+)(?:#[^)]*)?\)", page.read_text(encoding="utf-8")):
+        assert re.match(r"https?:", there) or (page.parent / there).exists(), f"{page.name}: {there}"
+
+
+@pytest.mark.parametrize("page", WRITTEN, ids=[page.name for page in WRITTEN])
+def test_pages_say_something_without_a_build(page: Path) -> None:
+    """What a code host shows of a page beside directives, cells and code is more than a headline."""
+    text = re.sub(r"^---\n.*?^---\n|^```.*?^```", "", page.read_text(encoding="utf-8"), flags=re.DOTALL | re.MULTILINE)
+    assert len(text.split()) > 40
+
+
+def test_tutorials_are_numbered_and_listed() -> None:
+    scripts = [script.name for script in sorted((ROOT / "tutorials").glob("*.py"))]
+    numbers = [int(name[:2]) for name in scripts]
+    assert numbers == sorted(set(numbers)) and set(range(1, max(numbers) + 1)) - set(numbers) <= {8}  # kept free
+    for page in ("docs/tutorials.md", "tutorials/README.md"):
+        text = (ROOT / page).read_text(encoding="utf-8")
+        assert re.findall(r"\]\((?:\.\./tutorials/)?(\d\d_\w+\.py)\)", text) == scripts
+    for name in scripts:
+        first = (ROOT / "tutorials" / name).read_text(encoding="utf-8").splitlines()[1]
+        assert first.startswith(f"# # {int(name[:2])}. ")
+
+
+def test_every_package_that_is_asked_for_has_its_licence_told() -> None:
+    setup = configparser.ConfigParser()
+    setup.read(ROOT / "setup.cfg")
+    asked = {"": setup["options"]["install_requires"], **setup["options.extras_require"]}
+    page = (ROOT / "docs" / "licences.md").read_text(encoding="utf-8")
+    told = set(re.findall(r"^\| `([\w-]+)` \|", page, re.MULTILINE))
+    names = {re.split(r"[><=!~ ]", line)[0] for lines in asked.values() for line in lines.split("\n") if line}
+    assert names - told == set()
+
+
+def test_the_citation_names_this_version() -> None:
+    (version,) = re.findall(r"^version: (\S+)$", (ROOT / "CITATION.cff").read_text(encoding="utf-8"), re.MULTILINE)
+    assert version == kg.__version__

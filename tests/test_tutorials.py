@@ -12,7 +12,7 @@ from matplotlib import pyplot
 
 ROOT = Path(__file__).resolve().parent.parent
 TUTORIALS = sorted((ROOT / "tutorials").glob("*.py"))
-LONG = ("07_which_shape",)
+LONG = ("05_which_shape",)
 LIBRARIES = {"04_your_own_drawing": ("svgelements", "ezdxf", "plotly")}
 
 

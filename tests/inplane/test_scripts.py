@@ -24,4 +24,4 @@ def test_rotating_squares() -> None:
 
 def test_tutorial(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
-    assert script("tutorials", "in_plane_mechanisms").contrast == pytest.approx(22, rel=0.05)
+    assert script("tutorials", "12_in_plane_mechanisms").contrast == pytest.approx(22, rel=0.05)

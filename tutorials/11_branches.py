@@ -1,5 +1,5 @@
 # %% [markdown]
-# # Buckling and imperfections: which way will it go?
+# # 11. Branches: buckling, imperfections, and which way will it go?
 #
 # A plate that is squeezed stays flat up to a point and then bows out. Three questions come with that: at what load,
 # into which shape, and does the answer depend on how flat the plate was to begin with? This tutorial answers them with

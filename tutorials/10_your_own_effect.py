@@ -1,5 +1,5 @@
 # %% [markdown]
-# # 5. Your own effect, in one file
+# # 10. Your own effect, in one file
 #
 # Everything that makes force is written in the same way: bars, hinges, springs, loads, contact. So is what the package
 # does not have yet. As an example: a film glued to a soft bed, such as gold on rubber. Squeezed, it wrinkles, with a

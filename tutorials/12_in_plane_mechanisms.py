@@ -1,5 +1,5 @@
 # %% [markdown]
-# # In-plane mechanisms, from one hinge to a polarised lattice
+# # 12. In-plane mechanisms, from one hinge to a polarised lattice
 #
 # Rigid panels joined at corners move by turning against each other. Here panels are bars, joints are angle springs, and
 # the whole lives in the plane: two unknowns a node, nothing of bending or z.

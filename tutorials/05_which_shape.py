@@ -1,5 +1,5 @@
 # %% [markdown]
-# # 7. Which shape? One sheet, many answers
+# # 5. Which shape? One sheet, many answers
 #
 # A thin cut sheet can take many stable shapes at one and the same pull. Which of them a run ends in depends on how the
 # sheet was not flat, and on how it was pulled; the force depends on it too. So a force is worth little before three

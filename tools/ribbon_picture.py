@@ -1,8 +1,9 @@
-"""The picture at the head of the README: its ribbon where a slow pull leads, and in the shape of least energy known.
+"""The picture of the overview: its ribbon where a slow pull leads, and in the shape of least energy known.
 
-    python tools/readme_picture.py              writes docs/images/ribbon.png, and prints energies and forces
+    python tools/ribbon_picture.py              writes docs/images/ribbon.png, and prints energies and forces
 
-The model and the pull are those of the README's first script, which is run as it stands up to its first print.
+The model and the pull are those of the first script of docs/overview.md, which is run as it stands up to its first
+print.
 """
 
 from __future__ import annotations
@@ -25,8 +26,8 @@ TRIALS = 16
 
 
 def first_script() -> dict[str, Any]:
-    """Names of the README's first script, once it has run."""
-    found = re.search(r"```python\n(.*?)```", (ROOT / "README.md").read_text(encoding="utf-8"), re.DOTALL)
+    """Names of the first script of the overview, once it has run."""
+    found = re.search(r"```python\n(.*?)```", (ROOT / "docs" / "overview.md").read_text(encoding="utf-8"), re.DOTALL)
     assert found is not None
     names: dict[str, Any] = {}
     exec(found.group(1).partition("print(")[0], names)  # our own script, which tests/test_readme.py runs as well

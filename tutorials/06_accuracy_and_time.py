@@ -1,5 +1,5 @@
 # %% [markdown]
-# # Accuracy and time
+# # 6. Accuracy and time
 #
 # How far can a result be trusted, and what would more accuracy cost? This tutorial takes one small sheet from the first
 # coarse run to a mesh chosen for a wanted error: what the elements represent, how the rungs of accuracy compare, how

@@ -1,9 +1,9 @@
 # %% [markdown]
-# # When it fails: from the message to the remedy
+# # 9. Failures: from the message to the remedy
 #
-# Tutorial 6 shows how to read an error. This page is the other way round: six things that go wrong with cut sheets,
-# each with what you see, why it is so, and what to do. Every error raised on purpose is a `kg.KirigamiError`, and its
-# class says who has to act:
+# An analysis that fails should say what is wrong, where, and what to try. This tutorial breaks things on purpose. Every
+# error that is raised on purpose is a `kg.KirigamiError`; the message is the first thing to read, the error object
+# carries the rest, and the class says who has to act:
 #
 # | error | what is wrong | who acts |
 # | --- | --- | --- |
@@ -28,56 +28,22 @@ import kirigami as kg
 FILM = kg.Material(E=3.5e9, nu=0.34)
 
 # %% [markdown]
-# ## 1. Nothing holds the sheet: MechanismError
+# ## The drawing cannot be used: GeometryError
 #
-# The grips below hold the sheet up and down, but nothing keeps it from sliding sideways. The message names every
-# motion that is left; the remedy is a support for each.
+# Messages name the cut by its number in the list you gave, and the place by its coordinates.
 
 # %%
-sheet = kg.Sheet(box(0, 0, 0.1, 0.1), LineString([(0.03, 0.05), (0.07, 0.05)]), thickness=0.2e-3, material=FILM)
-model = kg.Model.from_mesh(sheet.mesh(max_edge=0.02))
-bottom, top = model.select(boundary="bottom"), model.select(boundary="top")
-model.add(kg.Fix(bottom, "yz"), kg.Fix(top, "z"), kg.Prescribe(top, y=1e-3))
-try:
-    kg.DisplacementControl(model).run()
-except kg.MechanismError as error:
-    print(f"MechanismError: {error}\n")
-    print(f"in short: {error.motion}")
+for cuts in (
+    [LineString([(0.2, 0.5), (0.8, 0.5)]), LineString([(0, 0.7), (1, 0.7)])],  # the second one severs the sheet
+    [LineString([(0.2, 0.5), (0.8, 0.5)]), LineString([(1.2, 0.2), (1.4, 0.2)])],  # the second one misses it
+):
+    try:
+        kg.Sheet(box(0, 0, 1, 1), cuts).mesh(max_edge=0.2)
+    except kg.GeometryError as error:
+        print(f"GeometryError: {error}\n")
 
 # %% [markdown]
-# One node is enough, since the sheet cannot turn in its plane any more. (Holding x all along both grips would be
-# right as well, but it is another experiment: the sheet could not contract there.)
-
-# %%
-model.add(kg.Fix(bottom[0], "x"))
-pulled = kg.DisplacementControl(model).run()
-print(f"held: {len(pulled)} steps, force {pulled.reaction(top, 'y')[-1]:.1f} N")
-
-# %% [markdown]
-# ## 2. The same displacement twice: ModelError
-#
-# A support and a drive on the same displacement contradict each other, even where they agree. The message names both
-# objects, the axis and the first of the nodes. Usually a corner node belongs to two selections.
-
-# %%
-left = model.select(boundary="left")
-mistake = model.add(kg.Fix(left, "x"))
-try:
-    kg.DisplacementControl(model).run()
-except kg.ModelError as error:
-    print(f"ModelError: {error}")
-model.remove(mistake)
-
-# %% [markdown]
-# Give each displacement to one object: leave the nodes out that are held already, or the axes.
-
-# %%
-already = {id(node) for item in model.constraints for node in item.nodes if "x" in item.values}
-model.add(kg.Fix([node for node in left if id(node) not in already], "x"))
-print(f"left edge on rollers: force {kg.DisplacementControl(model).run().reaction(top, 'y')[-1]:.1f} N")
-
-# %% [markdown]
-# ## 3. The cuts part the sheet: GeometryError
+# ## The cuts part the sheet: GeometryError as well
 #
 # Three slits that meet enclose a triangle. Nothing would hold it, so the drawing is refused, and the message lists
 # the parts with their places and the cuts that bound them.
@@ -129,7 +95,140 @@ print(f"\nwith an opening: {mended}")
 print(f"{repairs[0].category.__name__}: {repairs[0].message}")
 
 # %% [markdown]
-# ## 4. No equilibrium next to the last one: ConvergenceError
+# ## The model cannot be built: ModelError
+#
+# Wrong numbers are refused where they are given, and an empty selection says where the nodes are. A common one: a box
+# in millimetres for a sheet in metres.
+
+# %%
+sheet = kg.Sheet(box(0, 0, 0.1, 0.2), thickness=0.2e-3, material=FILM)
+model = kg.Model.from_mesh(sheet.mesh(max_edge=0.025))
+try:
+    model.select(box=(0, 199, 100, 201))
+except kg.ModelError as error:
+    print(f"ModelError: {error}")
+
+# %% [markdown]
+# ## The same displacement twice: ModelError as well
+#
+# A support and a drive on the same displacement contradict each other, even where they agree. The message names both
+# objects, the axis and the first of the nodes. Usually a corner node belongs to two selections.
+
+# %%
+pulled = kg.Model.from_mesh(sheet.mesh(max_edge=0.025))
+bottom, top, left = (pulled.select(boundary=name) for name in ("bottom", "top", "left"))
+pulled.add(kg.Fix(bottom, "yz"), kg.Fix(top, "z"), kg.Prescribe(top, y=1e-3), kg.Fix(bottom[0], "x"))
+mistake = pulled.add(kg.Fix(left, "x"))
+try:
+    kg.DisplacementControl(pulled).run()
+except kg.ModelError as error:
+    print(f"ModelError: {error}")
+pulled.remove(mistake)
+
+# %% [markdown]
+# Give each displacement to one object: leave the nodes out that are held already, or the axes.
+
+# %%
+already = {id(node) for item in pulled.constraints for node in item.nodes if "x" in item.values}
+pulled.add(kg.Fix([node for node in left if id(node) not in already], "x"))
+print(f"left edge on rollers: force {kg.DisplacementControl(pulled).run().reaction(top, 'y')[-1]:.1f} N")
+
+# %% [markdown]
+# ## The structure can move: MechanismError
+#
+# Forgotten supports are the commonest mistake of all, and a solver that meets a singular matrix has nothing to say
+# about them. Here the motion is put into words before the first step. The sheet below is held along its lower edge, but
+# not its slope there: it can swing like a door.
+
+# %%
+bottom, top = model.select(boundary="bottom"), model.select(boundary="top")
+hold = model.add(kg.Fix(bottom))
+model.add(kg.NodalLoad(top, (0, 0, -1e-4)))
+try:
+    kg.LinearStatic(model).run()
+except kg.MechanismError as error:
+    print(f"MechanismError: {error}\n")
+    print(f"the motion in short: {error.motion}")
+    print(f"{len(error.nodes)} nodes move")
+
+# %% [markdown]
+# The message names the motion, so the remedy is at hand: hold the slope.
+
+# %%
+model.remove(hold)
+model.add(kg.Fix(bottom, clamp=True))
+bent = kg.LinearStatic(model).run()
+print(f"clamped: the upper edge moves by {1e3 * bent.u[-1, model.index(top), 2].mean():.2f} mm")
+
+# %% [markdown]
+# A mechanism inside the structure is found as well. `error.shape` is the motion itself, ready to be drawn: a frame of
+# four bars without a diagonal.
+
+# %%
+frame = kg.Model(dim=2, name="frame")
+corners = frame.add(kg.Node(0, 0), kg.Node(1, 0), kg.Node(1, 1), kg.Node(0, 1))
+frame.add(*(kg.Bar(corners[k], corners[(k + 1) % 4], EA=1.0) for k in range(4)))
+frame.add(kg.Fix(corners[:2]), kg.NodalLoad(corners[2], (0.1, 0)))
+try:
+    kg.LinearStatic(frame).run()
+except kg.MechanismError as error:
+    print(f"MechanismError: {error}")
+    x, y, _ = frame.positions().T
+    ax = frame.plot(loads=False)
+    ax.quiver(x, y, *error.shape[:, :2].T, angles="xy", scale_units="xy", scale=4, color="tab:red")
+    ax.set(title="the motion that costs nothing", xlim=(-0.2, 1.4), ylim=(-0.2, 1.2))
+    plt.show()
+
+# %% [markdown]
+# ## The path ends: ConvergenceError
+#
+# The truss of tutorial 1 under growing load: past the limit load there is no equilibrium to go to. The error carries
+#
+# * `results`: every step that converged before, as good as any other result,
+# * `history`: the residuals of the last attempt,
+# * `worst_nodes`: where the forces do not balance,
+# * `hint`: what to try.
+
+# %%
+truss = kg.Model(dim=2, name="von Mises truss")
+left, apex, right = truss.add(kg.Node(-1, 0), kg.Node(0, 1, name="apex"), kg.Node(1, 0))
+truss.add(kg.Bar(left, apex, EA=1.0), kg.Bar(apex, right, EA=1.0))
+truss.add(kg.Fix([left, right]), kg.Fix(apex, "x"), kg.NodalLoad(apex, (0, -1)))
+try:
+    kg.LoadControl(truss, to=0.2).run()
+except kg.ConvergenceError as error:
+    limit = error
+print(f"ConvergenceError: {limit}\n")
+print(f"steps that converged: {len(limit.results)}, the last at load factor {limit.results.lam[-1]:.6f}")
+print(f"worst node: {truss.nodes[limit.worst_nodes[0]]}")
+
+# %% [markdown]
+# Two pictures tell most of the story. On the left the residuals of the last attempt: falling steadily means that more
+# patience would help, hovering as here means that there is nothing to find. On the right the path so far: its tangent
+# has become level, so this is a limit point, and the hint is right.
+
+# %%
+figure, (history_ax, path_ax) = plt.subplots(1, 2, figsize=(7.5, 3), layout="constrained")
+history_ax.semilogy(limit.history, "o-")
+history_ax.axhline(1e-8, color="0.6", linestyle="--", label="tolerance")
+history_ax.set(xlabel="iteration", ylabel="relative residual")
+history_ax.legend()
+limit.results.plot_curve(x=(apex, "y"), ax=path_ax)
+path_ax.set_ylabel("force / EA")
+plt.show()
+
+# %% [markdown]
+# In a script that runs over many designs, `on_failure="return"` hands back the same partial results with a warning
+# and an event instead of an error, and Ctrl-C does so at any time.
+
+# %%
+with warnings.catch_warnings(record=True) as caught:
+    warnings.simplefilter("always")
+    partial = kg.LoadControl(truss, to=0.2).run(on_failure="return")
+print(f"{caught[0].category.__name__}; events: {[event.kind for event in partial.events]}")
+
+# %% [markdown]
+# ## The path turns back: ConvergenceError as well
 #
 # A shallow truss is pushed through by a soft spring. The truss gives way faster than the spring relaxes, so somewhere
 # the grip's path turns back, and a little further down there is no equilibrium close by. With
@@ -175,7 +274,7 @@ ax.legend()
 plt.show()
 
 # %% [markdown]
-# ## 5. A sheet that needs another start: ConvergenceError at a sheet
+# ## At a sheet
 #
 # On a sheet the same error mostly means that the increments ended at an instability. Try, in this order: the default
 # `on_instability="switch"` if it was changed; an imperfection (`model.perturb` with a mode of `kg.Eigen`, a hundredth
@@ -188,7 +287,7 @@ plt.show()
 # reached = results.lam[-1]
 # ```
 #
-# ## 6. Pulled beyond its lock: no error, but look
+# ## Pulled beyond its lock: no error, but look
 #
 # A disc with one slit, pulled at two points across it, opens by bending, which costs next to nothing, until the
 # shortest way on the sheet from one point to the other is straight: past a strain of sqrt(1 + (a / R)^2) - 1 = 8.9 %
@@ -227,13 +326,20 @@ plt.show()
 # Two numbers tell the lock before the force does: the membrane's share of the energy, which is a few per cent while
 # the sheet bends and nearly all of it at the end, and the largest bar strain. A film that yields at 2 % has left the
 # elastic model well before.
+
+# %% [markdown]
+# ## The numbers
 #
-# ## Checked
-#
-# The failed run stopped at the turning point of the closed form, w + P(w) / k with P the load of the von Mises truss,
-# and everything it stored lies on that curve.
+# The first failed run was of use: its last step bounds the limit load, 2 / (3 sqrt(3) sqrt(2)^3) of EA in closed form,
+# from below and to six digits. The second stopped at the turning point of the closed form, w + P(w) / k with P the load
+# of the truss, and everything it stored lies on that curve.
 
 # %%
+exact = 2 / (3 * 3**0.5 * 2**1.5)
+bound = float(limit.results.lam[-1])
+print(f"last load before the failure {bound:.8f}, limit load {exact:.8f}")
+assert exact * (1 - 1e-5) < bound <= exact * (1 + 1e-7)
+assert np.array_equal(partial.lam, limit.results.lam)
 deflection = np.linspace(0, 0.5, 100_001)
 z = 0.5 - deflection
 travel = deflection + z * (0.25 - z**2) / np.hypot(1, 0.5) ** 3 / 0.02
