@@ -81,11 +81,37 @@ def formulas_as_written(app: Any, what: str, name: str, item: Any, options: Any,
     lines[:] = shown
 
 
+def attributes_one_by_one(app: Any, what: str, name: str, item: Any, options: Any, lines: list[str]) -> None:
+    """Attributes that a docstring describes together ("mesh, rung : ...") each by itself.
+
+    Parameters may stand together; of attributes napoleon takes all but the last one for a type.
+    """
+    shown: list[str] = []
+    inside, place = False, 0
+    while place < len(lines):
+        line = lines[place]
+        if set(line) == {"-"} and shown:
+            inside = shown[-1] == "Attributes"
+        if not (inside and (names := re.fullmatch(r"(\w+(?:, \w+)+)( : .*)?", line))):
+            shown.append(line)
+            place += 1
+            continue
+        end = place + 1
+        while end < len(lines) and (not lines[end] or lines[end].startswith(" ")):
+            end += 1
+        for single in names[1].split(", "):
+            shown += [single + (names[2] or ""), *lines[place + 1 : end]]
+        place = end
+    lines[:] = shown
+
+
 # Where links of the files lead on the site.
 LINKS = [
     (r"\]\(\.\./tutorials/(\w+)\.py\)", r"](tutorials/\1)"),
+    (r"\]\(\.\./tutorials/README\.md\)", "](tutorials.md)"),
     (r"\]\(\.\./CHANGELOG\.md\)", "](changelog.md)"),
-    (r"\]\((\.\./docs/)?reference\.md", r"](\1api.md"),
+    (r"\]\(\.\./docs/", "](../"),  # from tutorials
+    (r"\]\((\.\./)?reference\.md", r"](\1api.md"),
 ]
 
 
@@ -96,5 +122,6 @@ def links_of_the_site(app: Any, page: str, source: list[str]) -> None:
 
 
 def setup(app: Any) -> None:
+    app.connect("autodoc-process-docstring", attributes_one_by_one, priority=400)  # before napoleon reads them
     app.connect("source-read", links_of_the_site)
     app.connect("autodoc-process-docstring", formulas_as_written)
