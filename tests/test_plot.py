@@ -518,3 +518,12 @@ def test_the_band_of_a_force_curve_is_its_estimated_error(lifted: kg.Results) ->
     force, error = lifted.reaction([2, 3], "z"), lifted.error["force"]
     wanted = {*np.round(force * (1 - error), 12), *np.round(force * (1 + error), 12)}
     assert {*np.round(shaded[:, 1], 12)} == wanted
+
+
+def test_gradient_is_drawn_per_area():
+    """What each facet counts for its size; the scale is the same to both sides."""
+    mesh = kg.TriMesh([[0, 0], [2, 0], [2, 1], [0, 1], [4, 0]], [[0, 1, 2], [0, 2, 3], [1, 4, 2]])
+    ax = plot.plot_gradient(mesh, 3.0 * mesh.facet_areas * [1, 1, -0.5])
+    drawn = ax.collections[0]
+    assert np.asarray(drawn.get_array()).tolist() == pytest.approx([3.0, 3.0, -1.5])
+    assert drawn.get_clim() == pytest.approx((-3.0, 3.0))

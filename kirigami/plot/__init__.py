@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from kirigami.plot.curves import plot_curve, plot_open_area
 from kirigami.plot.deformed import plot_results
+from kirigami.plot.gradients import plot_gradient
 from kirigami.plot.measures import plot_energy_shares, plot_measure
 from kirigami.plot.movie import animate
 from kirigami.plot.undeformed import plot_mesh, plot_model, plot_sheet
@@ -16,6 +17,7 @@ __all__ = [
     "animate",
     "plot_curve",
     "plot_energy_shares",
+    "plot_gradient",
     "plot_measure",
     "plot_mesh",
     "plot_model",

@@ -68,6 +68,7 @@ FREE_TEXT: dict[tuple[str, str], str] = dict.fromkeys(
     (
         ("Model", "name"), ("Node", "name"), ("Results.plot", "label"), ("Results.plot_curve", "label"),
         ("Results.to_html", "title"), ("Results.to_vtk", "name"), ("plot.plot_curve", "label"),
+        ("plot.plot_gradient", "label"),
         ("plot.plot_measure", "name"), ("plot.plot_measure", "label"), ("plot.plot_open_area", "label"),
         ("plot.plot_results", "label"), ("tilings.Tiling.model", "name"),
     ),

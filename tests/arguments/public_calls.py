@@ -500,6 +500,9 @@ CALLS: dict[str, Callable[[], Call]] = {
     "plot.plot_curve": lambda: (kg.plot.plot_curve, {"results": results(), "nodes": [0, 1], "axis": "z"}),
     "plot.plot_energy_shares": lambda: (kg.plot.plot_energy_shares, {"results": results()}),
     "plot.plot_measure": lambda: (kg.plot.plot_measure, {"results": results(), "values": results().height()}),
+    "plot.plot_gradient": lambda: (
+        kg.plot.plot_gradient, {"mesh": mesh(), "values": np.ones(len(mesh().triangles)), "label": "force"}
+    ),
     "plot.plot_mesh": lambda: (kg.plot.plot_mesh, {"mesh": mesh()}),
     "plot.plot_model": lambda: (kg.plot.plot_model, {"model": plate()}),
     "plot.plot_open_area": lambda: (kg.plot.plot_open_area, {"results": results()}),

@@ -9,11 +9,12 @@ from numpy.typing import ArrayLike
 
 from kirigami.geometry.mesh import TriMesh
 from kirigami.plot import style
+from kirigami.plot.undeformed import flat_axes
 from kirigami.primitives.checks import require_array, require_instance
 
 
 @style.styled
-def plot_gradient(mesh: TriMesh, values: ArrayLike, ax: Any = None, label: str = "gradient per area") -> Any:
+def plot_gradient(mesh: TriMesh, values: ArrayLike, ax: Any = None, label: str | None = None) -> Any:
     """Draw a gradient by facets on the sheet, per area, so that it does not show how large the facets are.
 
     Parameters
@@ -22,38 +23,37 @@ def plot_gradient(mesh: TriMesh, values: ArrayLike, ax: Any = None, label: str =
         The mesh of the results.
     values : array_like, shape (facets,)
         What ``results.gradient(..., "thickness")`` gives, or a column of that by "strain".
-    ax : matplotlib Axes, optional
-        Where to draw.
-    label : str
+    ax : matplotlib axes, optional
+        Where to draw; a new figure by default.
+    label : str, optional
         What stands at the colour bar.
 
     Returns
     -------
-    matplotlib Axes
+    matplotlib axes
 
     Raises
     ------
     ModelError
-        No mesh, or values of another number.
+        No mesh, values of another number, or axes that are not flat.
 
     Examples
     --------
     >>> import kirigami as kg
-    >>> from kirigami.design.field_picture import plot_gradient
     >>> mesh = kg.TriMesh([[0, 0], [1, 0], [1, 1], [0, 1]], [[0, 1, 2], [0, 2, 3]])
-    >>> plot_gradient(mesh, [1.0, -2.0]).get_aspect()
+    >>> kg.plot.plot_gradient(mesh, [1.0, -2.0]).get_aspect()
     1.0
     """
     require_instance(mesh, TriMesh, "mesh", "plot_gradient")
     given = require_array(values, (len(mesh.triangles),), name="values", owner="plot_gradient")
     density = given / mesh.facet_areas
-    ax = style.new_axes((4.5, 4.0)) if ax is None else ax
+    points = mesh.nodes[:, :2]
+    ax = flat_axes(ax, "plot_gradient", np.stack([points.min(axis=0), points.max(axis=0)]))
     size = float(np.abs(density).max(initial=0.0)) or 1.0
     drawn = ax.tripcolor(
-        mesh.nodes[:, 0], mesh.nodes[:, 1], mesh.triangles, facecolors=density, cmap=style.diverging_map(), vmin=-size,
+        *points.T, mesh.triangles, facecolors=density, cmap=style.diverging_map(), vmin=-size,
         vmax=size,
     )  # fmt: skip
     ax.set_aspect("equal")
-    ax.set_axis_off()
-    style.color_bar(ax, drawn, label)
+    style.color_bar(ax, drawn, "gradient per area" if label is None else label)
     return ax
