@@ -150,6 +150,15 @@ def test_answer_is_walked_on_a_finer_mesh():
     assert found.plot().axes
 
 
+def test_the_best_of_several_starts_counts():
+    start = design(edge=1.0)
+    wanted = forces(start.at(inner=0.8), [1.0])
+    problem = kg.Inverse(start, (FORCE, 1.0, wanted), corrections=None, evaluations=2)
+    one, some = problem.run(), problem.run(starts=3, seed=1)
+    assert some.worth <= one.worth
+    assert some.history != one.history or some.worth == one.worth
+
+
 def test_bad_input():
     with pytest.raises(kg.ModelError, match="a target is"):
         kg.Inverse(design(), [("force", 1.0)])

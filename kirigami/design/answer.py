@@ -41,6 +41,8 @@ class InverseResult:
         Every design tried: "values", "error".
     evaluations, walks, factorizations : int
         Designs tried, walks from flat, and tangents factorised.
+    worth : float
+        What was made small: half the squared errors, what is wished for, and what constraints are missed by.
     sensitivities : dict of str to float
         Derivative of the summed squares of errors by each parameter, at the answer.
 
@@ -70,6 +72,7 @@ class InverseResult:
     evaluations: int = 0
     walks: int = 0
     factorizations: int = 0
+    worth: float = 0.0
     sensitivities: dict[str, float] = field(default_factory=dict)
 
     plot = deferred("kirigami.design.picture:plot_result")

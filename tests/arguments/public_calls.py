@@ -423,7 +423,8 @@ CALLS: dict[str, Callable[[], Call]] = {
         "path": folder() / "search.json",
     }),
     "Inverse.run": lambda: (
-        kg.Inverse(drawn(), (("energy",), 1.0, 1.0), corrections=None, evaluations=2).run, {"progress": False}
+        kg.Inverse(drawn(), (("energy",), 1.0, 1.0), corrections=None, evaluations=2).run,
+        {"progress": False, "starts": 2, "seed": 1},
     ),
     "LoadCase": lambda: (
         kg.LoadCase,

@@ -1,0 +1,69 @@
+"""What gradients cost beside one factorisation: five targets by fields, and by twenty parameters of cuts.
+
+``python benchmarks/gradient_cost.py [nodes]`` prints CPU seconds over those of one factorisation of the same tangent,
+at the state of a small pull.
+"""
+
+from __future__ import annotations
+
+import sys
+import time
+
+import shapely
+
+import kirigami as kg
+from kirigami.linalg import make_solver
+from kirigami.results.gradients.fields import of_sheet
+from kirigami.results.gradients.functionals import tell_of
+from kirigami.results.gradients.gradient import equilibrium
+
+NAMES = [f"length_{number}" for number in range(20)]
+
+
+def cuts(**lengths):
+    """Four rows of five slits, each with a length of its own."""
+    found = []
+    for number, name in enumerate(NAMES):
+        x, y = 0.1 + 0.2 * (number % 5), 0.2 + 0.2 * (number // 5)
+        found.append(shapely.LineString([(x - 0.5 * lengths[name], y), (x + 0.5 * lengths[name], y)]))
+    return found
+
+
+def pulled(m):
+    top = m.select(boundary="top")
+    m.add(kg.Fix(m.select(boundary="bottom"), clamp=True), kg.Fix(top, "xz", clamp=True), kg.Prescribe(top, y=1e-4))
+
+
+def timed(function):
+    """Answer and CPU seconds."""
+    began = time.process_time()
+    return function(), time.process_time() - began
+
+
+def main(nodes=1000):
+    """Print the table."""
+    design = kg.Design(
+        cuts, outline=shapely.box(0, 0, 1, 1), supports=pulled, thickness=0.01, material=kg.Material(1e9, 0.3),
+        mesh={"nodes": nodes}, **dict.fromkeys(NAMES, (0.12, 0.08, 0.16)),
+    )  # fmt: skip
+    res = design.walk([1.0])
+    at, settling = timed(lambda: equilibrium(res, res[-1]))
+    matrix = at.matrix
+    solver = make_solver()
+    solver.factorize(matrix)
+    _, one = timed(lambda: solver.factorize(matrix))
+    asked = [("force", "driven_0", "y"), ("height",), ("open_area",), ("energy",), ("position", "top", "y")]
+    adjoints, solving = timed(lambda: [at.adjoint(at.told(tell_of(item, res))) for item in asked])
+    _, fields = timed(lambda: (of_sheet(adjoints, "thickness", "gradient"), of_sheet(adjoints, "strain", "gradient")))
+    _, chain = timed(lambda: design.derivatives(adjoints))
+    print(
+        f"{len(design.mesh.nodes)} nodes, {at.system.free} unknowns: one factorisation {one:.3f} CPU s; over it, a "
+        f"target: adjoint solution {solving / 5 / one:.2f}, thickness and prestrain by facets {fields / 5 / one:.2f}, "
+        f"twenty lengths {chain / 5 / one:.2f}; state to the last digits {settling / one:.2f}, once",
+        flush=True,
+    )
+
+
+
+if __name__ == "__main__":
+    main(int(sys.argv[1]) if len(sys.argv) > 1 else 1000)
