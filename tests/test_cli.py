@@ -443,6 +443,9 @@ TABLE = {
 }  # fmt: skip
 
 
+LENGTHY = ("demo", "stretch", "accuracy")
+
+
 def test_the_table_holds_every_command() -> None:
     from argparse import _SubParsersAction
 
@@ -475,7 +478,7 @@ def test_every_command_is_silent_or_speaks_json(
     command: str, coarse: None, short: None, plain: None, workplace: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     """0 where all went well; --quiet leaves stdout empty; --json leaves one object there and nothing else."""
-    if command not in ("demo", "stretch", "accuracy"):  # which take seconds, and whose silence is tested above
+    if command not in LENGTHY:  # which take seconds, and whose silence is tested above
         assert cli.main([command, *TABLE[command], "--quiet"]) == 0
         said = capsys.readouterr()
         assert said.out == "" and "Traceback" not in said.err
@@ -500,9 +503,11 @@ def test_every_command_ends_with_2_for_wrong_usage_and_with_1_for_a_missing_file
     assert ("d" if command == "demo" else "absent.dxf") in said
 
 
-@pytest.mark.parametrize(
-    "words", [["--help"], *([command, "--help"] for command in TABLE), *([c, *TABLE[c], "--json"] for c in TABLE)]
-)
+READ = [["--help"], *([command, "--help"] for command in TABLE)]
+READ += [[command, *words, "--json"] for command, words in TABLE.items() if command not in LENGTHY]
+
+
+@pytest.mark.parametrize("words", READ)
 @pytest.mark.filterwarnings("ignore")
 def test_a_reader_that_has_enough_is_no_error(
     words: list[str], coarse: None, short: None, plain: None, workplace: Path, monkeypatch: pytest.MonkeyPatch

@@ -40,8 +40,7 @@ def sheets(*names: str) -> frozenset[str]:
 
 
 WITH_BARS = frozenset({"paper", "plate", "paper in the plane", "plate in the plane", *BUILT} & set(STRUCTURES))
-WITH_MEMBERS = WITH_BARS | {"folded facet"}
-WITH_HINGES = frozenset({"paper", "plate", "folded facet", "hinged strip"} & set(STRUCTURES))
+WITH_HINGES = frozenset({"paper", "plate", "hinged strip"} & set(STRUCTURES))
 WITH_SPRINGS = frozenset({"chain of springs", "stayed mast"})
 SUPPORTS = ("driven_0", "fixed_0")
 
@@ -64,7 +63,7 @@ QUANTITIES: dict[str, Quantity] = {
     "stable": Quantity(lambda r, c: r.stable.astype(float), order=0),
     "deformation": Quantity(
         lambda r, c: np.concatenate([np.sort(r.deformation(name), axis=1) for name in member_names(r)], axis=1),
-        served=WITH_MEMBERS,
+        served=WITH_BARS,
         order=None,
     ),
     "force": Quantity(
@@ -72,7 +71,7 @@ QUANTITIES: dict[str, Quantity] = {
             [np.sort(r.force(n), axis=1) / (1 if n == "bars" else c.length) for n in member_names(r)], axis=1
         ),
         force=1,
-        served=WITH_MEMBERS,
+        served=WITH_BARS,
     ),
     "bar_strain": Quantity(lambda r, c: r.bar_strain, "members", served=WITH_BARS),
     "bar_force": Quantity(lambda r, c: r.bar_force, "members", force=1, served=WITH_BARS),

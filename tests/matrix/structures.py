@@ -169,7 +169,7 @@ PLANE: dict[str, Callable[[Change, float], kg.Model]] = {
 }
 FOLDED: dict[str, Callable[[Change, float], kg.Model]] = {
     f"folded {rung}": lambda change, drive=1.0, rung=rung: sheet(rung, 3, change, drive, fold=0.5)
-    for rung in ("facet", "shell")
+    for rung in ("shell",)
 }
 BUILT = {"truss": TRUSS, "tower": TOWER, "hinged strip": STRIP, "chain of springs": CHAIN}
 BUILT |= {"stayed mast": STAYED_MAST, "stayed tower": STAYED_TOWER, "linked tower": LINKED_TOWER}

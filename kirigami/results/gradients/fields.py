@@ -165,7 +165,7 @@ def _by_groups(
     links = neighbours(at.system)
     found = [np.zeros(len(values)) for _ in adjoints]
     for group in apart(near, links, at.system.points):
-        owner = owners(near[group], links, at.system.points)
+        owner = _of_rows(owners(near[group], links, at.system.points), at.system)
         sides: list[list[list[Array]]] = []
         step = np.zeros(len(values))
         step[group] = STEP * values[group]
@@ -186,6 +186,21 @@ def _work(kernel: Kernel, adjoint: Adjoint) -> Array:
     at = adjoint.at
     x = at.configuration
     return member_work(kernel, x, at.lam, adjoint.v, adjoint.told.by_energy)
+
+
+def _of_rows(label: Index, system: System) -> Index:
+    """Labels (rows,) of nodes (points,) and of the rows of the edges between them, which are those of their ends.
+
+    A crease is connected to nothing but rows of edges.
+    """
+    rows = np.full(len(system.rest), -1)
+    rows[: len(label)] = label
+    if system.edges is not None:
+        ends = label[system.edges.ends].max(axis=1)
+        edge, angle = system.edges.pairs
+        rows[system.edges.middle] = ends
+        np.maximum.at(rows, angle, ends[edge])
+    return rows
 
 
 def _share(rate: Array, group: Index, owner: Index, conn: Index, change: Array, step: Array) -> None:
@@ -284,6 +299,7 @@ def of_positions(adjoints: Sequence[Adjoint], owner: str) -> list[Array]:
     found = [np.zeros((system.points, 3)) for _ in adjoints]
     for group in apart(nodes, links, system.points):
         label = owners(nodes[group], links, system.points)
+        rows = _of_rows(label, system)
         for axis in range(system.dim):
             sides = []
             for sign in (1.0, -1.0):
@@ -294,7 +310,7 @@ def of_positions(adjoints: Sequence[Adjoint], owner: str) -> list[Array]:
                 column = np.zeros(system.points)
                 full = np.full(len(group), 2 * step)
                 for kernel, plus, minus in zip(system.kernels, ahead[0], behind[0]):
-                    _share(column, group, label, kernel.conn, plus - minus, full)
+                    _share(column, group, rows, kernel.conn, plus - minus, full)
                 explicit = (ahead[1] - behind[1]).sum(axis=1)
                 mine = label >= 0
                 column[group] += np.bincount(label[mine], explicit[mine], len(group)) / (2 * step)
