@@ -21,6 +21,8 @@ from typing import Any
 
 import numpy as np
 
+import kirigami
+
 ROOT = Path(__file__).parent.parent
 FOLDER = ROOT / "tests" / "validation"
 ROWS, PAGE, PICTURES = ROOT / "docs" / "validation.csv", ROOT / "docs" / "validation.md", ROOT / "docs" / "images"
@@ -40,21 +42,29 @@ def picture_name(source: str, case: Any) -> str:
     return f"validation_{source}_{re.sub('[^a-z0-9]+', '_', case.name.lower()).strip('_')}.png"
 
 
+def triangles_of(model: Any) -> Any:
+    """Facets of a model by node number, whether it came from a mesh or was built by hand."""
+    if model.mesh is not None:
+        return model.mesh.triangles
+    edges = kirigami.System(model).edges
+    return None if edges is None else edges.triangles
+
+
 def draw(source: str, case: Any, outcomes: dict[str, Any]) -> None:
     """The last shape on the best rung, and the curves of all rungs over the published points."""
     from matplotlib import pyplot as plt
 
     best = next(iter(outcomes.values())).found.results
     curve = len(case.at) > 1
-    if best is None or not len(best.model.mesh.triangles if best.model.mesh is not None else ()):
+    if best is None or (facets := triangles_of(best.model)) is None:
         return
-    figure = plt.figure(figsize=(8.0 if curve else 3.6, 3.2), layout="constrained")
+    figure = plt.figure(figsize=(7.0 if curve else 3.2, 2.8), layout="constrained")
     shape = figure.add_subplot(1, 2 if curve else 1, 1, projection="3d")
-    u = best.u[-1][: len(best.model.mesh.nodes)]
-    size = best.model.mesh.size
+    rest, u = best.rest, best.u[-1]
+    size = float(np.ptp(rest, axis=0).max())
     grow = 1.0 if np.abs(u).max() > 0.02 * size else 0.15 * size / max(np.abs(u).max(), 1e-300)
-    at = best.model.mesh.nodes + grow * u
-    shape.plot_trisurf(*at.T, triangles=best.model.mesh.triangles, color="0.85", edgecolor="0.35", linewidth=0.15)
+    at = rest + grow * u
+    shape.plot_trisurf(*at.T, triangles=facets, color="0.85", edgecolor="0.35", linewidth=0.15)
     shape.set_box_aspect(np.maximum(np.ptp(at, axis=0), 0.05 * size))
     shape.set_axis_off()
     if curve:
@@ -71,7 +81,7 @@ def draw(source: str, case: Any, outcomes: dict[str, Any]) -> None:
         axes.legend(frameon=False)
         axes.spines[["top", "right"]].set_visible(False)
     PICTURES.mkdir(exist_ok=True)
-    figure.savefig(PICTURES / picture_name(source, case), dpi=110)
+    figure.savefig(PICTURES / picture_name(source, case), dpi=90)
     plt.close(figure)
 
 
