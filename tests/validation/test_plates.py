@@ -17,9 +17,9 @@ LEVY = np.array([[17.79, 0.237], [38.3, 0.471], [63.4, 0.695], [95.0, 0.912], [1
                  [245.0, 1.521], [318.0, 1.714], [402.0, 1.902]])  # fmt: skip
 
 
-def held_plate(rung, outline, clamped, material=MATERIAL, fine=1.0):
+def held_plate(rung, outline, clamped, material=MATERIAL):
     """A plate of the mesher on supports or clamps all round, and its nodes in the plane (n, 2)."""
-    edge = fine * (0.12 if rung == "shell" else 0.04)
+    edge = 0.1 if rung == "shell" else 0.04
     mesh = kg.Sheet(outline).mesh(edge)
     model = kg.Model.from_mesh(mesh, THICKNESS, material, stiffness=rung)
     model.add(kg.Fix(model.select(boundary="outer"), "xyz", clamp=clamped))
@@ -46,7 +46,7 @@ def uniform(rung, outline, clamped, place):
 
 def point(rung, clamped):
     """Deflection of a unit square under a unit force at its middle, over a^2 / D."""
-    edge = 0.12 if rung == "shell" else 0.04
+    edge = 0.08 if rung == "shell" else 0.04
     mesh = kg.Sheet(shapely.box(0, 0, 1, 1)).mesh(edge, lines={"middle": shapely.LineString([(0.4, 0.5), (0.5, 0.5)])})
     model = kg.Model.from_mesh(mesh, THICKNESS, MATERIAL, stiffness=rung)
     rim = set(model.select(boundary="outer"))
