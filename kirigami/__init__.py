@@ -16,6 +16,7 @@ _install_old_modules()
 _HOME = {
     "Material": "primitives.material",
     "Orthotropic": "primitives.material",
+    "NeoHookean": "primitives.rubber",
     "Laminate": "primitives.material",
     "Node": "primitives.node",
     "Model": "model.model",
@@ -179,6 +180,7 @@ if TYPE_CHECKING:
     from kirigami.primitives.node import Node as Node
     from kirigami.primitives.parts import ModelObject as ModelObject
     from kirigami.primitives.parts import Numbering as Numbering
+    from kirigami.primitives.rubber import NeoHookean as NeoHookean
     from kirigami.results.archive import load as load
     from kirigami.results.results import Results as Results
     from kirigami.results.step import Event as Event

@@ -129,6 +129,11 @@ class ShellFacet(ModelObject):
         sections = section_matrices(objects, numbering.rest[edges.triangles])
         density = np.array([(f.material.density or np.nan) * f.thickness for f in objects])
         planes = plane_normals(mirror_planes(numbering), edges.ends, edges.edge)
+        if any(facet.material.hyperelastic for facet in objects):
+            from kirigami.elements.shell_rubber import RubberShellKernel, rubber_moduli
+
+            arrays = numbering.rest, conn, sections, edges.forward, density
+            return [RubberShellKernel(*arrays, None, planes, rubber=rubber_moduli(objects))]
         if any(getattr(facet.material, "yields", False) for facet in objects):
             from kirigami.elements.shell_yield import YieldingShellKernel, yield_constants
 

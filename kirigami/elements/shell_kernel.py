@@ -129,10 +129,11 @@ class ShellFacetKernel(NaturalKernel):
     def by_load(self, x: Array, lam: float, need: int = 1) -> Contribution:
         assert self._natural is not None
         drive = np.repeat(-self._natural[1][:, None], 3, axis=1)
-        rate = (drive * self._resultants(self._elastic(self._fields(x), lam))).sum(axis=(1, 2))
+        fields = self._elastic(self._fields(x), lam)
+        rate = (drive * self._answer(fields, 1).resultants).sum(axis=(1, 2))
         if need == 0:
             return Contribution(rate)
-        resultants = self._resultants(drive)
+        resultants = self._drive_resultants(drive, fields)
         pull = _pull_back(self._membrane.to_strain, resultants[..., :3])
         bend = _pull_back(self._bending.to_curvature, resultants[..., 3:])
         vectors, directors = self._vectors(x)[0], self._local_directors()
@@ -145,6 +146,10 @@ class ShellFacetKernel(NaturalKernel):
             local[:, :15] += np.einsum("mzn,mn->nz", membrane, pull[:, part])
             gradient[part] = _to_rows(local)
         return Contribution(rate, gradient)
+
+    def _drive_resultants(self, drive: Array, fields: Array) -> Array:
+        """Rate (n, 3, 6) of the resultants with elastic strain and curvature (n, 3, 6) that change by `drive`."""
+        return self._resultants(drive)
 
     def stiffness_of_positions(self, stiffness: Array) -> Array:
         """Strain comes from displacements, curvature from positions."""

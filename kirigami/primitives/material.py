@@ -42,12 +42,14 @@ SAME = 1e-9  # two thicknesses that differ by less are one
 class SheetMaterial:
     """Base of the materials of a sheet.
 
-    ``isotropic`` tells whether bars, hinges and flat facets can stand for it.
+    ``isotropic`` tells whether bars, hinges and flat facets can stand for it, ``hyperelastic`` whether its stress at
+    large strain is its own.
     """
 
     isotropic: bool = False
     density: float | None = None
     yield_stress: float | None = None
+    hyperelastic: bool = False
 
     def free_strain(self, height: float = 0.0) -> Array:
         """Strain (3,) per unit of heat at which a fibre bears nothing, at a height over the thickness, in the axes of
@@ -298,6 +300,8 @@ class Laminate(SheetMaterial):
             if len(pair) != 2:
                 raise ModelError(f"{owner} must be a pair of a material and a thickness, got {layer!r}")
             material = require_instance(pair[0], SheetMaterial, "material", owner)
+            if material.hyperelastic:
+                raise ModelError(f"{owner} must be linear elastic, as the laws of laminates are, got {material!r}")
             thickness = require_positive(pair[1], "thickness", owner)
             material.checked_thickness(thickness, owner)
             if getattr(material, "yields", False):
@@ -411,6 +415,10 @@ def to_words(material: SheetMaterial) -> Any:
         return {"class": "Orthotropic", "values": values, "expansion": material.expansion}
     if isinstance(material, Laminate):
         return {"class": "Laminate", "layers": [[to_words(layer), thickness] for layer, thickness in material.layers]}
+    from kirigami.primitives.rubber import NeoHookean
+
+    if isinstance(material, NeoHookean):
+        return {"class": "NeoHookean", "values": [material.E, material.density], "expansion": material.expansion}
     raise NotImplementedError(f"a {type(material).__name__} does not say how to save itself")
 
 
@@ -424,4 +432,8 @@ def from_words(words: Any) -> SheetMaterial:
         return Orthotropic(*words["values"], expansion=words.get("expansion"))
     if words["class"] == "Laminate":
         return Laminate(tuple((from_words(layer), thickness) for layer, thickness in words["layers"]))
+    if words["class"] == "NeoHookean":
+        from kirigami.primitives.rubber import NeoHookean
+
+        return NeoHookean(*words["values"], expansion=words["expansion"])
     raise ValueError(f"no material of this package: {words['class']}")

@@ -51,6 +51,7 @@ KERNELS = {
     "YieldingBarKernel": "elements.member_yield",
     "YieldingHingeKernel": "elements.member_yield",
     "YieldingShellKernel": "elements.shell_yield",
+    "RubberShellKernel": "elements.shell_rubber",
 }
 
 

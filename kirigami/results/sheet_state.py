@@ -26,6 +26,7 @@ from kirigami.elements.bar import BarKernel
 from kirigami.elements.clamp_hinge import HeldEdgeKernel
 from kirigami.elements.facet import FacetKernel
 from kirigami.elements.shell_kernel import ShellFacetKernel
+from kirigami.elements.shell_rubber import RubberShellKernel
 from kirigami.elements.triangle import ENDS, STARTS, SurfaceStrain, edge_vectors
 from kirigami.geometry.folds import fold_curvature_rates
 from kirigami.post.curvature import curvature
@@ -124,6 +125,11 @@ class StateReader:
         section: Array = kernel.section[rows, :3]  # type: ignore[attr-defined]
         forces = np.einsum("nab,nkb->nka", section, fields)
         state.membrane_energy[at] = 0.5 * self.area[at] * (fields[..., :3] * forces).sum(axis=(1, 2))
+        if isinstance(kernel, RubberShellKernel):  # which is linear in bending alone
+            moments = np.einsum("nab,nkb->nka", kernel.section[rows, 3:, 3:], fields[..., 3:])
+            bending = 0.5 * self.area[at] * (fields[..., 3:] * moments).sum(axis=(1, 2))
+            own = kernel.rubber[rows] > 0
+            state.membrane_energy[at] = np.where(own, energy - bending, state.membrane_energy[at])
         state.bending_energy[at] = np.maximum(energy - state.membrane_energy[at], 0.0)
 
     def _drawn_components(self, values: Array, at: Index) -> Array:

@@ -208,6 +208,7 @@ def kernel() -> kg.Kernel:
 
 CALLS: dict[str, Callable[[], Call]] = {
     "Material": lambda: (kg.Material, {"E": 1.0, "nu": 0.3, "density": 1.0, "expansion": 1.0}),
+    "NeoHookean": lambda: (kg.NeoHookean, {"E": 1.0, "density": 1.0, "expansion": 1.0}),
     "Orthotropic": lambda: (
         kg.Orthotropic,
         {"E1": 2.0, "E2": 1.0, "nu12": 0.3, "G12": 0.5, "angle": 0.1, "density": 1.0, "expansion": (1.0, 2.0)},

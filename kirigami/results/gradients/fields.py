@@ -45,6 +45,8 @@ def of_sheet(adjoints: Sequence[Adjoint], name: str, owner: str) -> list[Array]:
         raise ModelError(f"{owner}: elements of the sheet were removed, so its {name} does not tell what is left")
     shells = [kernel for kernel in system.kernels if isinstance(kernel, ShellFacetKernel)]
     if name in ("strain", "curvature"):
+        if len(shells) == 1 and any(material.hyperelastic for material in sheet.materials):
+            raise ModelError(f"{owner}: a {name} of its own is not known of rubber: take a linear elastic material")
         if len(shells) != 1:
             raise ModelError(
                 f"{owner}: only stiffness='shell' has a {name} of its own; on this rung take the rest lengths of bars "
@@ -55,6 +57,8 @@ def of_sheet(adjoints: Sequence[Adjoint], name: str, owner: str) -> list[Array]:
     values = sheet.thickness_of_facets(count) if name == "thickness" else _moduli(sheet.material, count, owner)
     if any(isinstance(material, Laminate) for material in sheet.materials):
         raise ModelError(f"{owner}: a Laminate brings its own thickness and moduli: give the sheet another material")
+    if any(material.hyperelastic for material in sheet.materials):
+        raise ModelError(f"{owner}: {name} of a sheet of rubber is not known; take stiffness and forces by differences")
     closed = [np.zeros(count) for _ in adjoints]
     if sheet.rung == "shell" and len(shells) == 1 and len(shells[0].conn) == count:
         for adjoint, rate in zip(adjoints, closed):
