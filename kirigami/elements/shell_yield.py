@@ -223,9 +223,8 @@ class YieldingShellKernel(ShellFacetKernel):
             found[flown.facets] = np.linalg.inv(AREA_PLACES) @ corner
         return np.asarray(found)
 
-    def layer_stress(self, x: Array, lam: float) -> Array:
-        """Mean stress (n, layers, 3) of each layer of each facet, from the lower face to the upper one."""
-        inside = AREA_PLACES @ self._elastic(self._fields(x), lam)
-        state = np.zeros((len(self.conn), POINTS, LAYERS, 4))
-        state[self._facets] = self._states
-        return np.asarray(self.layers.stress(inside, state).mean(axis=1))
+    def layer_stress(self, x: Array, lam: float) -> tuple[NDArray[np.int64], Array]:
+        """The facets that have yielded (k,), and the mean stress (k, layers, 3) of each of their layers, from the lower
+        face to the upper one."""
+        inside = AREA_PLACES @ self._elastic(self._fields(x), lam)[self._facets]
+        return self._facets, self.layers.select(self._facets).stress(inside, self._states).mean(axis=1)

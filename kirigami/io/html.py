@@ -23,6 +23,7 @@ from kirigami.primitives.kernel import Array
 from kirigami.results.fields import energy_density, facet_strain
 from kirigami.results.results import Results
 from kirigami.results.smooth import known_stress, sectors
+from kirigami.results.yielding import facet_plastic_strain
 from kirigami.units import unit_for
 
 LEVELS = 65535  # positions are stored in so many parts of the extent of each axis
@@ -34,7 +35,10 @@ TITLES = {
     "open_area": "open area of the cuts",
 }
 SI_UNITS = {"height": "m", "open_area": "m²"}
-LABELS = {"stress": "von Mises stress", "strain": "strain", "energy": "energy / area", "force": "force"}
+LABELS = {
+    "stress": "von Mises stress", "strain": "strain", "plastic strain": "plastic strain", "energy": "energy / area",
+    "force": "force",
+}  # fmt: skip
 
 
 def to_html(
@@ -188,6 +192,8 @@ def _contents(results: Results, shown: NDArray[np.int64]) -> tuple[dict[str, Any
         if stress is not None:
             fields["stress"] = (stress[shown], "node", "stress")
         fields["strain"] = (parts.means(facet_strain(results)[shown]), "node", "")
+        if np.nan_to_num(results.yielded).any():
+            fields["plastic strain"] = (parts.means(facet_plastic_strain(results)[shown]), "node", "")
         fields["energy"] = (energy_density(results)[shown][:, node], "node", "energy per area")
     else:
         head["triangles"] = 0

@@ -14,6 +14,7 @@ from kirigami.primitives.checks import require_path, require_text
 from kirigami.results.fields import energy_density, facet_strain
 from kirigami.results.results import Results
 from kirigami.results.smooth import known_stress, sectors
+from kirigami.results.yielding import facet_plastic_strain
 
 
 def write_vtk(results: Results, folder: str | os.PathLike[str], name: str = "step") -> list[Path]:
@@ -22,7 +23,8 @@ def write_vtk(results: Results, folder: str | os.PathLike[str], name: str = "ste
     Open the PVD file in ParaView. The points are the deformed positions; the rest state is ``points - displacement``.
     Point data: ``displacement`` [length], ``reaction`` [force], ``energy_density`` [force / length; energy per node
     without a mesh]. Cell data: ``strain`` of the facets (largest principal Green strain) and ``stress`` (von Mises' at
-    the face where it is larger, of means round each node that jump at folds; where it is known) of a mesh, else
+    the face where it is larger, of means round each node that jump at folds; where it is known) of a mesh, with
+    ``plastic_strain`` (accumulated, the largest over the thickness) where something has yielded, else
     ``force`` and ``strain`` of the bars. The time of a step is its load factor where that keeps growing, else its
     number.
 
@@ -92,6 +94,8 @@ def _cells(results: Results) -> tuple[list[tuple[str, Any]], dict[str, Any]]:
         stress = known_stress(results, parts)
         if stress is not None:
             data["stress"] = parts.over_facets(stress)
+        if np.nan_to_num(results.yielded).any():
+            data["plastic_strain"] = facet_plastic_strain(results)
         return [("triangle", results.mesh.triangles)], data
     if not len(results.bars):
         return [("vertex", np.arange(len(results.rest))[:, None])], {}

@@ -13,6 +13,7 @@ from kirigami.primitives.checks import require_array, require_choice, require_fi
 from kirigami.results.fields import energy_density
 from kirigami.results.smooth import sectors
 from kirigami.results.stress import sheet_stress
+from kirigami.results.yielding import facet_plastic_strain
 from kirigami.units import unit_for
 
 if TYPE_CHECKING:
@@ -30,7 +31,9 @@ LABELS = {
     "force": "bar force",
     "strain": "bar strain",
     "stress": "von Mises stress",
+    "plastic strain": "plastic strain",
 }
+OF_SHEETS = ("stress", "plastic strain")
 KINDS = {
     "height": "length", "displacement": "length", "energy": "energy per area", "force": "force", "stress": "stress",
 }  # fmt: skip
@@ -65,7 +68,8 @@ def plot_results(
         Where to draw; a new figure by default.
     color : str or array_like, optional
         "height", "displacement", "energy" (elastic energy per area at rest; of bar structures, energy), "stress" (von
-        Mises', at the face where it is larger; for sheets that know their thickness and material), for bar
+        Mises', at the face where it is larger; for sheets that know their thickness and material), "plastic strain"
+        (accumulated, where it is largest over the thickness of a sheet), for bar
         structures also "force" and "strain"; "none" for one plain colour; or one value per node, facet or bar (taken
         as nodal where the numbers agree). By default height for sheets in space, displacement for sheets in the plane,
         and force for bar structures.
@@ -201,8 +205,8 @@ class Field:
                 self.smooth = False
             self._given = self._per_cell(values)
             return
-        of_bars = [name for name in LABELS if name != "stress"]
-        known = [*of_bars, "none"] if mesh is None else ["height", "displacement", "energy", "stress", "none"]
+        of_bars = [name for name in LABELS if name not in OF_SHEETS]
+        known = [*of_bars, "none"] if mesh is None else ["height", "displacement", "energy", *OF_SHEETS, "none"]
         if self.key not in known:
             raise ModelError(f"color {color!r} is unknown: use one of {', '.join(known)}, or an array of values")
 
@@ -227,6 +231,10 @@ class Field:
             larger = np.maximum(stress.von_mises("top"), stress.von_mises("bottom"))
             means = self.sectors.means(larger[None])
             return np.asarray(means[0] if self.smooth else self.sectors.over_facets(means)[0])
+        if self.key == "plastic strain":
+            assert self.sectors is not None
+            strain = facet_plastic_strain(results, number)
+            return np.asarray(self.sectors.means(strain[None])[0] if self.smooth else strain)
         if self.key == "energy":
             return self._per_cell(energy_density(self.results, number))
         u = results[number].u

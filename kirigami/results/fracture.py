@@ -112,6 +112,12 @@ def energy_release(results: Results, cut: int = 0) -> Array:
     if mesh is None or constants is None:
         raise AnalysisError("energy_release needs a model made by Model.from_mesh", results=results)
     kernels = [kernel for kernel in results.kernels if isinstance(kernel, (FacetKernel, ShellFacetKernel))]
+    if any(kernel.plastic() is not None for kernel in kernels) and not results.linear:
+        raise AnalysisError(
+            "energy_release is that of a sheet that stays elastic: what yields at a tip takes energy on the way there; "
+            "give the material hardening=None, or look at a linear analysis",
+            results=results,
+        )
     if not kernels:
         raise AnalysisError(
             "energy_release needs facets: the stress of bars and hinges at a tip means nothing; take stiffness='shell' "

@@ -547,6 +547,7 @@ class Results(ModelRecord):
     poisson_ratio = deferred("kirigami.results.measures:poisson_ratio")
     curvature = deferred("kirigami.results.measures:curvature")
     stress = deferred("kirigami.results.stress:sheet_stress")
+    plastic_strain = deferred("kirigami.results.yielding:facet_plastic_strain")
     energy_shares = deferred("kirigami.results.measures:energy_shares")
     energy_release = deferred("kirigami.results.fracture:energy_release")
     gradient = deferred("kirigami.results.gradients.gradient:gradient")

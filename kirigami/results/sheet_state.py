@@ -27,6 +27,7 @@ from kirigami.elements.clamp_hinge import HeldEdgeKernel
 from kirigami.elements.facet import FacetKernel
 from kirigami.elements.shell_kernel import ShellFacetKernel
 from kirigami.elements.shell_rubber import RubberShellKernel
+from kirigami.elements.shell_yield import YieldingShellKernel
 from kirigami.elements.triangle import ENDS, STARTS, SurfaceStrain, edge_vectors
 from kirigami.geometry.folds import fold_curvature_rates
 from kirigami.post.curvature import curvature
@@ -96,6 +97,20 @@ class StateReader:
                 self._add_held_edges(state, kernel, step)
         return state
 
+    def layers(self, step: Step, elastic: Array) -> Array:
+        """Stress (3, m, 2, 2) at the lower face, in the middle and at the upper face: that of an `elastic` sheet, but
+        in facets that have yielded that of their outermost layers and of those beside the middle."""
+        found = elastic.copy()
+        for kernel in self.surfaces:
+            if isinstance(kernel, YieldingShellKernel):
+                flown, stress = self.results.evaluate_at(kernel, step, lambda x: kernel.layer_stress(x, step.lam))  # noqa: B023
+                at = placed(kernel.conn[flown, :3], self.mesh.triangles)
+                half = stress.shape[1] // 2
+                middle = stress[:, half - 1 : half + 1].mean(axis=1)
+                for place, values in enumerate((stress[:, 0], middle, stress[:, -1])):
+                    found[place, at[at >= 0]] = self._drawn(_tensor(values), at)[at >= 0]
+        return found
+
     # ---- by kind of element
 
     def _add_facets(self, state: SheetState, kernel: Kernel, step: Step) -> None:
@@ -123,8 +138,13 @@ class StateReader:
             self._warm(state, kernel.heat(step.lam), rows, at)
             fields = np.concatenate([fields, 3 * felt[:, None]], axis=1) / np.sqrt(12)
         section: Array = kernel.section[rows, :3]  # type: ignore[attr-defined]
-        forces = np.einsum("nab,nkb->nka", section, fields)
-        state.membrane_energy[at] = 0.5 * self.area[at] * (fields[..., :3] * forces).sum(axis=(1, 2))
+        if isinstance(kernel, YieldingShellKernel) and not results.linear:  # not all of its deformation is elastic
+            forces = results.told(kernel, step, lambda x: kernel.point_forces(x, step.lam))[rows, :, :3]
+            stretch = np.linalg.solve(section[:, None, :, :3], forces[..., None])[..., 0]
+            state.membrane_energy[at] = self.area[at] / 6 * (stretch * forces).sum(axis=(1, 2))
+        else:
+            forces = np.einsum("nab,nkb->nka", section, fields)
+            state.membrane_energy[at] = 0.5 * self.area[at] * (fields[..., :3] * forces).sum(axis=(1, 2))
         if isinstance(kernel, RubberShellKernel):  # which is linear in bending alone
             moments = np.einsum("nab,nkb->nka", kernel.section[rows, 3:, 3:], fields[..., 3:])
             bending = 0.5 * self.area[at] * (fields[..., 3:] * moments).sum(axis=(1, 2))

@@ -69,6 +69,8 @@ class SheetStress:
         :class:`kirigami.Actuate`; nan on bars and hinges, where they are known of edges alone.
     heat : ndarray, shape (s, m, 2)
         Heat at the lower and upper faces that is in them.
+    layers : ndarray, shape (s, 3, m, 2, 2), or None
+        Stress at the lower face, in the middle and at the upper face of a sheet whose facets yield; None elsewhere.
 
     Examples
     --------
@@ -95,6 +97,7 @@ class SheetStress:
     material: SheetMaterial | tuple[SheetMaterial, ...]
     natural: Floats | None = None
     heat: Floats | None = None
+    layers: Floats | None = None
 
     @property
     def _constants(self) -> SheetConstants:
@@ -112,7 +115,8 @@ class SheetStress:
         Parameters
         ----------
         fibre : {"middle", "top", "bottom"}
-            Where in the thickness; the top is the face seen from above.
+            Where in the thickness; the top is the face seen from above. Where facets have yielded, the stress is that
+            of the layers nearest to it.
 
         Raises
         ------
@@ -120,6 +124,8 @@ class SheetStress:
             Another name of a fibre.
         """
         require_choice(fibre, FIBRES, "fibre", "stress")
+        if self.layers is not None:
+            return np.asarray(self.layers[..., list(FIBRES).index(fibre), :, :, :])
         height = FIBRES[fibre]
         t = np.asarray(self.thickness)[..., None, None]
         found = np.asarray(self.force / t - 12 * height / t**2 * self.moment)
@@ -170,7 +176,8 @@ class SheetStress:
         force, moment = _tensor(borne[..., :3]), _tensor(borne[..., 3:])
         stretching = 0.5 * self.area * (borne[..., :3] * felt[..., :3]).sum(axis=-1)
         bending = 0.5 * self.area * (borne[..., 3:] * felt[..., 3:]).sum(axis=-1)
-        return replace(self, force=force, moment=moment, membrane_energy=stretching, bending_energy=bending)
+        elastic = replace(self, layers=None, force=force, moment=moment)
+        return replace(elastic, membrane_energy=stretching, bending_energy=bending)
 
     def principal(self, fibre: str = "middle") -> Floats:
         """Principal stresses (s, m, 2), the algebraically larger first [force / length^2]; fibres as in `tensor`."""
@@ -262,7 +269,14 @@ def sheet_stress(
     elif not states:
         shapes = {"natural": (6,), "heat": (2,), "membrane_energy": (), "bending_energy": ()}
         parts = {name: np.zeros((0, len(mesh.triangles), *shapes.get(name, (2, 2)))) for name in names}
-    return SheetStress(**parts, area=reader.area, thickness=height, material=made_of)
+    found = SheetStress(**parts, area=reader.area, thickness=height, material=made_of)
+    if results.linear or not any(kernel.surface and kernel.plastic() is not None for kernel in results.kernels):
+        return found
+    elastic = np.stack([found.tensor(fibre) for fibre in FIBRES], axis=-4)
+    if step is not None:
+        return replace(found, layers=reader.layers(chosen[0], elastic))
+    every = [reader.layers(*each) for each in zip(chosen, elastic)]
+    return replace(found, layers=np.array(every).reshape(elastic.shape))
 
 
 def checked_values(stress: SheetStress, kind: Any, fibre: str) -> tuple[Floats, str]:

@@ -155,6 +155,8 @@ def facet_plastic_strain(results: Results, step: int | None = None) -> Array:
     ------
     AnalysisError
         The model was not made from a mesh.
+    ModelError
+        No such step.
 
     Examples
     --------
@@ -169,6 +171,7 @@ def facet_plastic_strain(results: Results, step: int | None = None) -> Array:
     """
     from kirigami.results.sheet_state import matched
 
+    step = None if step is None else results.step_number(step, "plastic_strain")
     mesh = results.mesh
     if mesh is None:
         raise AnalysisError("plastic strain of facets needs a model made by Model.from_mesh", results=results)

@@ -207,7 +207,11 @@ def kernel() -> kg.Kernel:
 
 
 CALLS: dict[str, Callable[[], Call]] = {
-    "Material": lambda: (kg.Material, {"E": 1.0, "nu": 0.3, "density": 1.0, "expansion": 1.0}),
+    "Material": lambda: (
+        kg.Material,
+        {"E": 1.0, "nu": 0.3, "density": 1.0, "yield_stress": 0.1, "hardening": [(0.1, 0.2)], "kinematic": 0.1,
+         "expansion": 1.0},
+    ),
     "NeoHookean": lambda: (kg.NeoHookean, {"E": 1.0, "density": 1.0, "expansion": 1.0}),
     "Orthotropic": lambda: (
         kg.Orthotropic,
@@ -335,6 +339,7 @@ CALLS: dict[str, Callable[[], Call]] = {
     "Results.moment": lambda: (results().moment, {"nodes": [0, 1], "about": (0, 0, 0)}),
     "Results.reaction": lambda: (results().reaction, {"nodes": [0, 1], "axis": "z"}),
     "Results.save": lambda: (results().save, {"path": folder() / "again"}),
+    "Results.plastic_strain": lambda: (results().plastic_strain, {"step": -1}),
     "Results.stress": lambda: (results().stress, {"step": -1, "thickness": 0.1}),
     "Results.summary": lambda: (results().summary, {}),
     "Results.to_csv": lambda: (results().to_csv, {"path": folder() / "table.csv"}),

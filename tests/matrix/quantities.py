@@ -98,6 +98,8 @@ QUANTITIES: dict[str, Quantity] = {
         lambda r, c: np.nan_to_num(np.stack([r.error[name] for name in r.error]), nan=-1.0), served=sheets(),
         flat=True, order=None,
     ),
+    "yielded": Quantity(lambda r, c: np.nan_to_num(r.yielded, nan=-1.0), order=0),
+    "plastic_strain": Quantity(lambda r, c: r.plastic_strain(), "members", served=sheets()),
     "thickness": Quantity(lambda r, c: np.array(r.thickness or 0.0), length=1, order=0),
 }  # fmt: skip
 

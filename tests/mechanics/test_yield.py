@@ -1,0 +1,411 @@
+"""Yield: the law of a section, the wide strip in closed form, trusses, energy, unloading, files, and what is told."""
+
+from __future__ import annotations
+
+from functools import cache
+
+import numpy as np
+import pytest
+import shapely
+
+import kirigami as kg
+from kirigami.elements.layers import LAYERS, Layers
+from kirigami.elements.plane_stress import PlaneStress
+from kirigami.primitives.hardening import Hardening, YieldCurve, bent, checked_curve
+
+E, NU, LIMIT, THICK = 70e9, 0.3, 150e6, 1e-3
+CURVES = {
+    "perfect": YieldCurve((0.0,), (LIMIT,)),
+    "isotropic": YieldCurve((0.0,), (LIMIT,), beyond=2e9),
+    "both": YieldCurve((0.0,), (LIMIT,), beyond=1e9, kinematic=3e9),
+    "table": checked_curve(LIMIT, [(1e-3, 160e6), (3e-3, 162e6), (6e-3, 200e6)], 2e9, "Material", "yield_stress"),
+}
+PLASTIC_MOMENT = 2 / np.sqrt(3) * LIMIT * THICK**2 / 4
+
+
+def sections(count, curve, kind=Layers):
+    full = [np.full(count, value) for value in (THICK, E, NU)]
+    return kind(*full, Hardening.of([curve] * count))
+
+
+def bent_and_stretched(rng, count):
+    return rng.normal(size=(count, 3, 6)) * np.array([3e-3] * 3 + [10.0] * 3)
+
+
+@pytest.mark.parametrize("name", CURVES)
+def test_the_tangent_of_a_section_is_that_of_its_forces_and_these_are_those_of_its_energy(name):
+    """Also from a state that has yielded before; kinks of single layers lie within a difference hardly ever."""
+    rng = np.random.default_rng(0)
+    law = sections(60, CURVES[name])
+    state = law.respond(bent_and_stretched(rng, 60), np.zeros((60, 3, LAYERS, 4)))[3]
+    fields = bent_and_stretched(rng, 60) + bent_and_stretched(rng, 60)
+    _, forces, tangent, after = law.respond(fields, state)
+    assert (after[..., 3] > state[..., 3]).mean() > 0.5  # most layers flow again
+    assert np.allclose(tangent, tangent.swapaxes(-1, -2), rtol=0, atol=1e-12 * np.abs(tangent).max())
+    for column in range(6):
+        step = np.zeros(6)
+        step[column] = 1e-9 if column < 3 else 1e-5
+        ahead, back = (law.respond(fields + sign * step, state, tangent=False) for sign in (1, -1))
+        for up, down, slope in ((ahead[1], back[1], tangent[..., column]), (ahead[0], back[0], forces[..., column])):
+            off = np.abs((up - down) / (2 * step.sum()) - slope).reshape(60 * 3, -1).max(axis=1) / np.abs(slope).max()
+            assert np.quantile(off, 0.99) < 1e-7
+
+
+@pytest.mark.parametrize("name", CURVES)
+def test_the_compiled_layers_are_the_plain_ones(name):
+    pytest.importorskip("numba")
+    from kirigami.elements.compiled_yield import CompiledLayers
+
+    rng = np.random.default_rng(1)
+    plain, fast = sections(20, CURVES[name]), sections(20, CURVES[name], CompiledLayers)
+    state = np.zeros((20, 3, LAYERS, 4))
+    for _ in range(3):
+        fields = bent_and_stretched(rng, 20)
+        one, other = plain.respond(fields, state), fast.respond(fields, state)
+        for a, b in zip(one, other):
+            assert np.allclose(a, b, rtol=0, atol=1e-13 * np.abs(a).max())
+        assert (plain.passed(0.1 * fields) == fast.passed(0.1 * fields)).all()
+        state = one[3]
+
+
+def test_stress_stays_on_the_yield_surface():
+    rng = np.random.default_rng(2)
+    curve = CURVES["both"]
+    law = PlaneStress(np.full(300, E), np.full(300, NU), Hardening.of([curve] * 300))
+    stress, _, state = law.flow(rng.normal(size=(300, 3)) * 5e-3, np.zeros((300, 4)), tangent=False)
+    P, inverse = np.array([[2, -1, 0], [-1, 2, 0], [0, 0, 6]]) / 3, np.array([[2, 1, 0], [1, 2, 0], [0, 0, 0.5]])
+    beyond = stress - 2 / 3 * curve.kinematic * state[:, :3] @ inverse
+    size = np.sqrt(1.5 * ((beyond @ P) * beyond).sum(axis=1))
+    flows = state[:, 3] > 0
+    assert flows.mean() > 0.9
+    assert np.allclose(size[flows], (LIMIT + curve.beyond * state[:, 3])[flows], rtol=1e-12)
+    assert (size[~flows] <= LIMIT * (1 + 1e-12)).all()
+
+
+# ---- a wide strip, bent
+
+
+@cache
+def strip(hardening=7e8, steps=20):
+    """Bent to 60 / m by a moment, and let go; moments over the fully plastic one, and curvatures."""
+    length, count = 0.02, 4
+    x = np.linspace(0, length, count + 1)
+    triangles = [t for a in range(count) for t in ((a, a + 1, a + 2 + count), (a, a + 2 + count, a + 1 + count))]
+    mesh = kg.TriMesh([(a, b) for b in (0, 0.005) for a in x], triangles)
+    material = kg.Material(E, NU, yield_stress=LIMIT, hardening=hardening)
+    m = kg.Model.from_mesh(mesh, thickness=THICK, material=material, stiffness="shell")
+    left, right = m.select(boundary="left"), m.select(boundary="right")
+    planes = {"left": "x", "top": "y", "bottom": "y"}
+    m.add(*(kg.Symmetry(m.select(boundary=side), normal) for side, normal in planes.items()))
+    m.add(kg.Fix(left[0], "z"), kg.EdgeMoment(right, PLASTIC_MOMENT))
+    curvature = np.linspace(0, 60, steps + 1)[1:]
+    heights = (1 - np.cos(curvature * length)) / curvature
+    pulled = kg.DisplacementControl(m, to=heights[-1], control=(right[0], "z"), targets=heights).run()
+    released = kg.LoadControl(m, to=0.0, start=pulled[-1]).run()
+    return pulled, released
+
+
+def curvatures(results):
+    return results.stress().curvature[..., 0, 0].mean(axis=1)
+
+
+def by_fine_layers(curvature, hardening=0.0, count=3000):
+    z = ((np.arange(count) + 0.5) / count - 0.5) * THICK
+    curve = YieldCurve((0.0,), (LIMIT,), hardening)
+    law = PlaneStress(np.full(count, E), np.full(count, NU), Hardening.of([curve] * count))
+    state, moments = np.zeros((count, 4)), []
+    for k in curvature:
+        stress, _, state = law.flow(np.stack([-z * k, 0 * z, 0 * z], axis=1), state, tangent=False)
+        moments.append(-(stress[:, 0] * z).sum() * THICK / count)
+    return np.array(moments) / PLASTIC_MOMENT
+
+
+def test_moment_over_curvature_of_a_wide_strip():
+    pulled, _ = strip()
+    assert np.allclose(pulled.lam[1:], by_fine_layers(curvatures(pulled)[1:], 7e8), rtol=0, atol=0.01)
+    assert pulled.yielded[-1] == 1.0
+
+
+def test_the_fully_plastic_moment():
+    """2 / sqrt(3) sigma_y t^2 / 4 per width, approached from below as the elastic core shrinks."""
+    law = sections(1, CURVES["perfect"])
+    state = np.zeros((1, 3, LAYERS, 4))
+    for k in np.linspace(0, 2000, 400)[1:]:
+        _, forces, _, state = law.respond(np.tile([0, 0, 0, k, 0, 0], (1, 3, 1)).astype(float), state)
+    assert abs(forces[0, 0, 3] / PLASTIC_MOMENT - 1) < 2e-3
+    assert abs(by_fine_layers([2000.0])[0] - 1) < 2e-3
+
+
+def test_spring_back():
+    """Unloading is elastic: k_r = k - M / D."""
+    pulled, released = strip()
+    rigidity = E * THICK**3 / (12 * (1 - NU**2))
+    left = curvatures(pulled)[-1] - pulled.lam[-1] * PLASTIC_MOMENT / rigidity
+    assert abs(curvatures(released)[-1] / left - 1) < 0.01
+    assert released.lam[-1] == 0.0
+    assert released.plastic_strain(-1) == pytest.approx(pulled.plastic_strain(-1))
+
+
+def test_stress_of_what_has_yielded_is_that_of_its_layers():
+    """Faces under 2 / sqrt(3) of the yield stress that the hardening has brought, where an elastic sheet has 1.5 times
+    as much; and the residual moment of a released strip is none, its residual stress is some."""
+    pulled, released = strip()
+    strain = pulled.plastic_strain(-1).max()
+    assert pulled.stress(-1).von_mises("top").max() < LIMIT + 7e8 * strain + 1e-3 * LIMIT
+    left = released.stress(-1)
+    assert np.abs(left.moment[:, 0, 0]).max() < 1e-3 * PLASTIC_MOMENT
+    assert np.abs(left.tensor("top")[:, 0, 0]).min() > 0.2 * LIMIT
+
+
+# ---- a truss
+
+
+def truss(high=0.3, EA=10.0, limit=0.15, **yields):
+    m = kg.Model(dim=2)
+    left, apex, right = m.add(kg.Node(-1, 0), kg.Node(0, high), kg.Node(1, 0))
+    m.add(*(kg.Bar(*ends, EA, yield_force=limit, **yields) for ends in ((left, apex), (apex, right))))
+    m.add(kg.Fix([left, right]), kg.Fix(apex, "x"), kg.NodalLoad(apex, (0, -1)))
+    return m, apex
+
+
+def test_plateau_of_a_truss():
+    """Both bars flow under the stress N: the load is 2 N (h - w) / L."""
+    m, apex = truss()
+    results = kg.DisplacementControl(m, to=-0.28, control=(apex, "y"), step=0.02).run()
+    w, length = -results.u[:, 1, 1], np.sqrt(1.09)
+    flows = np.abs(w**2 - 0.6 * w) / (2 * length**2) > 0.0151
+    assert flows.sum() > 3
+    assert np.allclose(results.lam[flows], (2 * 0.15 * (0.3 - w) / length)[flows], rtol=1e-12)
+
+
+@pytest.mark.parametrize("step", [0.02, 0.2])
+def test_the_load_is_largest_at_first_yield_where_the_path_has_a_kink(step):
+    m, apex = truss()
+    results = kg.DisplacementControl(m, to=-0.28, control=(apex, "y"), step=step).run()
+    w = 0.3 - np.sqrt(0.09 - 2 * 1.09 * 0.015)
+    limit = next(event for event in results.events if event.kind == "limit point")
+    assert limit.lam == pytest.approx(2 * 0.15 * (0.3 - w) / np.sqrt(1.09), rel=1e-6)
+    (first,) = (event for event in results.events if event.kind == "yield")
+    assert first.bracket == (results.lam[first.step], results.lam[first.step + 1])
+    assert results.yielded[first.step] == 0 < results.yielded[first.step + 1]
+
+
+def test_first_yield_alone_is_no_limit_point():
+    m, apex = truss(hardening=10.0)
+    results = kg.DisplacementControl(m, to=-0.08, control=(apex, "y"), step=0.02).run()
+    assert [event.kind for event in results.events] == ["yield"]
+
+
+def test_unloading_from_every_stored_step_is_elastic():
+    m, apex = truss(hardening=1.0, kinematic=2.0)
+    results = kg.DisplacementControl(m, to=-0.25, control=(apex, "y"), step=0.02).run()
+    height, back = 0.3 + results.u[:, 1, 1], 1e-3
+    for number in range(1, len(results)):
+        start = results[number]
+        less = kg.DisplacementControl(m, to=start.u[1, 1] + back, control=(apex, "y"), start=start).run()
+        stress = (results.force("bars")[number, 0] / np.sqrt((1 + height[number] ** 2) / 1.09))
+        after = height[number] + back
+        stress += 10.0 * (after**2 - height[number] ** 2) / (2 * 1.09)
+        assert less.lam[-1] == pytest.approx(-2 * stress * after / np.sqrt(1.09), rel=1e-9)
+        assert np.array_equal(less[-1].history[0], start.history[0])
+
+
+# ---- energy
+
+
+def test_energy_balance_of_a_sheet_pulled_and_pushed():
+    """Work of the grips against what is stored and what is lost, through three reversals; steps meet the kinks."""
+    mesh = kg.Sheet(shapely.box(0, 0, 2, 1)).mesh(max_edge=1.0)
+    material = kg.Material(E, NU, yield_stress=LIMIT, kinematic=5e9)
+    m = kg.Model.from_mesh(mesh, thickness=THICK, material=material, stiffness="shell")
+    left, right = m.select(boundary="left"), m.select(boundary="right")
+    strain = LIMIT / E * np.array([*range(4), *range(2, -4, -1), *range(-2, 4), *range(2, -1, -1)])[1:]
+    pull = 2 * (np.sqrt(1 + 2 * strain) - 1)
+    m.add(kg.Fix(m.nodes, "z"), kg.Fix(left, "x"), kg.Fix(left[0], "y"), kg.Prescribe(right, x=1.0))
+    results = kg.DisplacementControl(m, targets=pull[:-1], to=pull[-1], tol=1e-11, corrector="newton").run()
+    length = 2 + results.lam
+    force, green = results.reaction(right, "x"), (length**2 - 4) / 8
+    stress = force * 2 / length  # work is stress d(green strain)
+    work = 2 * np.concatenate([[0], np.cumsum(0.5 * (stress[1:] + stress[:-1]) * np.diff(green))])
+    stored = sum(results.energy.values())
+    assert np.abs(work - stored).max() < 1e-6 * work.max()
+    lost = results.energy["dissipated"]
+    assert (np.diff(lost) >= -1e-12 * lost[-1]).all()
+    assert lost[-1] > 0.5 * work.max()
+
+
+def test_where_nothing_yields_the_run_is_the_elastic_one():
+    def pulled(rung, **yields):
+        mesh = kg.Sheet(shapely.box(0, 0, 1, 1), [[(0.3, 0.5), (0.7, 0.5)]]).mesh(max_edge=0.35)
+        m = kg.Model.from_mesh(mesh, thickness=0.01, material=kg.Material(1e9, 0.3, **yields), stiffness=rung)
+        top = m.select(boundary="top")
+        m.add(kg.Fix(m.select(boundary="bottom")), kg.Prescribe(top, x=0, y=5e-4, z=0.02))
+        return kg.DisplacementControl(m).run()
+
+    for rung in ("plate", "shell"):
+        elastic, other = pulled(rung), pulled(rung, yield_stress=1e9, hardening=[(0.1, 2e9)])
+        assert np.allclose(other.u, elastic.u, rtol=0, atol=1e-9)
+        assert elastic.stats["factorizations"] == other.stats["factorizations"]
+        assert (other.yielded == 0).all()
+        assert other.energy["dissipated"].max() == 0
+
+
+# ---- files, checkpoints, stages
+
+
+def lifted(rung="shell", **yields):
+    mesh = kg.Sheet(shapely.box(0, 0, 0.1, 0.04)).mesh(max_edge=0.03)
+    material = kg.Material(3.5e9, 0.34, yield_stress=60e6, **yields)
+    m = kg.Model.from_mesh(mesh, thickness=5e-3, material=material, stiffness=rung)
+    right = m.select(boundary="right")
+    m.add(kg.Fix(m.select(boundary="left"), clamp=True), kg.Prescribe(right, z=0.06))
+    return m, right
+
+
+@pytest.mark.parametrize("rung", ["plate", "shell"])
+def test_saved_and_loaded(rung, tmp_path):
+    m, right = lifted(rung, hardening=[(0.05, 65e6)])
+    results = kg.DisplacementControl(m).run()
+    assert results.yielded[-1] > 0
+    twin = kg.load(results.save(tmp_path / "bent.npz"))
+    assert np.array_equal(twin.yielded, results.yielded)
+    assert np.array_equal(twin.plastic_strain(), results.plastic_strain())
+    assert twin.material == results.material
+    for name, values in results.energy.items():
+        assert np.array_equal(twin.energy[name], values)
+    assert np.array_equal(twin.reaction("driven_0"), results.reaction(right))
+
+
+@pytest.mark.parametrize("rung", ["plate", "shell"])
+def test_resumed_bit_for_bit(rung, tmp_path):
+    m, _ = lifted(rung)
+    whole = kg.DisplacementControl(m, targets=[0.5, 1.0], to=0.6).run()
+
+    def stop(step):
+        if step.lam > 0.7:
+            raise KeyboardInterrupt
+
+    analysis = kg.DisplacementControl(m, targets=[0.5, 1.0], to=0.6)
+    with pytest.warns(kg.KirigamiWarning, match="interrupted"):
+        analysis.run(checkpoint=tmp_path / "half.npz", recorders=[stop])
+    resumed = analysis.run(checkpoint=tmp_path / "half.npz")
+    assert np.array_equal(resumed.u, whole.u)
+    assert np.array_equal(resumed.lam, whole.lam)
+    assert np.array_equal(resumed.yielded, whole.yielded)
+    assert [event.kind for event in resumed.events] == [event.kind for event in whole.events]
+
+
+@pytest.mark.parametrize("rung", ["plate", "shell"])
+def test_a_crease_made_by_folding_stays_when_let_go(rung):
+    """Forces lifted off as a stage; what was elastic comes back, and the crease opens only in part."""
+    m, right = lifted(rung)
+    up = kg.DisplacementControl(m).run()
+    m.hold(up[-1])
+    held = next(item for item in m.constraints if "z" in item.values and item is not m.constraints[0])
+    m.remove(held)
+    force = up.reaction(right, "z")[-1]
+    share = (0, 0, force / len(right))
+    m.add(kg.NodalLoad(right, share, constant=True), kg.NodalLoad(right, (0, 0, -share[2])))
+    down = kg.LoadControl(m, start=up[-1]).run()
+    left = down.position(right)[-1, :, 2].mean()
+    assert 0.1 * 0.06 < left < 0.9 * 0.06
+    assert (down.plastic_strain(-1) >= up.plastic_strain(-1)).all()  # what has flown has flown
+    assert (np.diff(down.energy["dissipated"]) >= -1e-12 * down.energy["dissipated"][-1]).all()
+
+
+# ---- bars and hinges of a sheet
+
+
+def test_hinges_of_a_sheet_yield_at_the_moment_of_cylindrical_bending():
+    m, _ = lifted("plate", hardening=1e8)
+    hinges = [item for item in m.elements if isinstance(item, kg.BendHinge)]
+    for hinge in hinges:
+        length = np.hypot(hinge.j.x - hinge.k.x, hinge.j.y - hinge.k.y)
+        assert hinge.yield_curve.stress[0] == pytest.approx(2 / np.sqrt(3) * 60e6 * 25e-6 / 4 * length)
+        # of the elastic stiffness D as E' of 4/3 H: slopes over curvature
+        share = hinge.yield_curve.beyond / hinge.stiffness
+        assert share == pytest.approx(4 / 3 * 1e8 / 3.5e9 * (1 - 0.34**2))
+    bars = [item for item in m.elements if isinstance(item, kg.Bar)]
+    assert all(bar.yield_curve.stress[0] == pytest.approx(bar.EA * 60e6 / 3.5e9) for bar in bars)
+
+
+def test_a_table_that_is_straight_bends_like_its_modulus():
+    straight = bent(YieldCurve((0.0,), (LIMIT,), beyond=2e9), THICK)
+    table = bent(checked_curve(LIMIT, [(0.1, LIMIT + 2e8), (1.0, LIMIT + 2e9)], 0.0, "Material", "yield_stress"), THICK)
+    inside = [k for k in table.strain if k * THICK / np.sqrt(3) < 1.0]
+    values = np.interp(inside, table.strain, table.stress)
+    assert np.allclose(values, straight.stress[0] + straight.beyond * np.array(inside), rtol=1e-3)
+
+
+# ---- what is told
+
+
+@pytest.mark.parametrize("rung", ["paper", "plate", "facet", "shell"])
+@pytest.mark.parametrize("analysis", [kg.LinearStatic, kg.DisplacementControl])
+def test_what_stays_elastic_beyond_its_yield_stress_is_told(rung, analysis):
+    def pulled(limit):
+        mesh = kg.Sheet(shapely.box(0, 0, 2, 1)).mesh(max_edge=0.5)
+        material = kg.Material(1e9, 1 / 3, yield_stress=limit, hardening=None)
+        m = kg.Model.from_mesh(mesh, thickness=0.01, material=material, stiffness=rung)
+        right = m.select(boundary="right")
+        m.add(kg.Fix(m.nodes, "z"), kg.Fix(m.select(boundary="left"), "xy"), kg.Prescribe(right, x=0.004, y=0.0))
+        return analysis(m).run()
+
+    over, under = pulled(1e6), pulled(4e6)
+    assert [event.kind for event in over.events] == ["beyond yield"]
+    assert over.yielded[0] == 0
+    assert over.yielded[-1] > 0.9
+    assert "strained beyond the yield stress" in over.summary()
+    assert not under.events
+    assert under.yielded[-1] == 0
+    assert "beyond the yield stress" not in under.summary()
+
+
+def test_flat_facets_say_that_they_stay_elastic():
+    with pytest.warns(kg.KirigamiWarning, match="stay elastic"):
+        lifted("facet")
+
+
+def test_what_has_yielded_is_told_once():
+    m, _ = lifted()
+    results = kg.DisplacementControl(m, targets=[1.0], to=0.8).run()
+    assert [event.kind for event in results.events].count("yield") == 1
+    assert "has yielded" in results.summary()
+    again = kg.DisplacementControl(m, to=1.0, start=results[-1]).run()
+    assert "yield" not in [event.kind for event in again.events]
+
+
+@pytest.mark.parametrize(
+    ("make", "words"),
+    [
+        (lambda: kg.Material(1e9, yield_stress=-1e6), "yield_stress must be positive"),
+        (lambda: kg.Material(1e9, yield_stress=1e6, hardening=[(0.1, 5e5)]), "falls"),
+        (lambda: kg.Material(1e9, yield_stress=1e6, hardening=[(0.2, 2e6), (0.1, 3e6)]), "must grow"),
+        (lambda: kg.Material(1e9, yield_stress=1e6, hardening=[(0.0, 2e6)]), "must be the same"),
+        (lambda: kg.Material(1e9, yield_stress=1e6, hardening=-1.0), "must not be negative"),
+        (lambda: kg.Material(1e9, hardening=1.0), "needs a yield_stress"),
+        (lambda: kg.Laminate([(kg.Material(1e9, yield_stress=1e6), 0.1)]), "stay elastic"),
+        (lambda: kg.Bar(kg.Node(0, 0), kg.Node(1, 0), 1.0, yield_force=0.0), "yield_force must be positive"),
+        (lambda: kg.Bar(kg.Node(0, 0), kg.Node(1, 0), 1.0, hardening=2.0), "needs a yield_force"),
+        (lambda: kg.Bar(kg.Node(0, 0), kg.Node(1, 0), 1.0, law="cable", yield_force=1.0), "cannot yield"),
+        (
+            lambda: kg.BendHinge(
+                *(kg.Node(*at) for at in ((0, 1), (0, 0), (1, 0), (0, -1))), 1.0, target_angle=1.0, yield_moment=1.0
+            ),
+            "cannot be driven",
+        ),
+    ],
+)  # fmt: skip
+def test_bad_input_is_refused_in_words(make, words):
+    with pytest.raises(kg.ModelError, match=words):
+        make()
+
+
+def test_what_history_forbids_is_refused():
+    m, right = lifted()
+    results = kg.DisplacementControl(m).run()
+    with pytest.raises(kg.ModelError, match="depends on the way"):
+        results.gradient(("force", right, "z"), "thickness")
+    m.add(kg.Actuate([0], strain=(0.1, 0, 0)))
+    with pytest.raises(kg.ModelError, match="cannot be driven by Actuate"):
+        kg.System(m)
