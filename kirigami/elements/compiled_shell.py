@@ -9,8 +9,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from kirigami.elements import shell_loops
+from kirigami.elements import shell_lanes, shell_loops
 from kirigami.elements.compiled_yield import CompiledLayers
+from kirigami.elements.shell_kernel import SHARE
+from kirigami.elements.shell_lane_rows import LANES
 from kirigami.primitives.kernel import Array, Configuration, Tangent, displacement_of
 from kirigami.primitives.processors import processors
 
@@ -37,6 +39,14 @@ class CompiledShell:
             _by_facet(kernel._rest_angles), _by_facet(kernel._rest_curvatures),
         )  # fmt: skip
         self._stored, self._scale = _by_facet(kernel._stored), _by_facet(kernel._angle_scale)
+        stretch, couple, bend = _weighted(kernel.section, kernel.chart.area, membrane.to_strain, bending.to_curvature)
+        self._lanes = (
+            *map(_in_lanes, (kernel._rest_vectors, membrane.per_square, membrane.mean_forms, stretch)),
+            _in_lanes(couple) if kernel.coupled else np.empty((0, 9, 15, LANES)),
+            *map(_in_lanes, (bend, bending.second, kernel._rest_angles, kernel._rest_curvatures)),
+        )
+        self._of_edges = kernel._edge, kernel._stored, _in_lanes(kernel._angle_scale)
+        self._tangents = _in_lanes(np.moveaxis(kernel.chart.tangent, 0, -1))
 
     def _state(self, x: Array) -> tuple[Any, ...]:
         kernel = self._kernel
@@ -47,10 +57,9 @@ class CompiledShell:
             *self._section, directors, self._stored, self._scale,
         )  # fmt: skip
 
-    def _side_by_side(self, work: Callable[[int, int, Array], float | None], total: Array) -> float:
-        """Let threads work on a stretch of facets each and add to `total`; the same for a given number of threads."""
-        count = len(self._kernel.conn)
-        threads = processors() if count >= MANY else 1
+    def _side_by_side(self, work: Callable[[int, int, Array], float | None], count: int, total: Array) -> float:
+        """Let threads add a part of `count` pieces each to `total`; the same for a given number of threads."""
+        threads = processors() if len(self._kernel.conn) >= MANY else 1
         bounds = np.linspace(0, count, threads + 1).astype(np.int64).tolist()
         if threads == 1:
             return float(work(0, count, total) or 0.0)
@@ -70,8 +79,9 @@ class CompiledShell:
         state = self._state(x)
         own = self._answers(state, lam, False)[:2]
         return self._side_by_side(
-            lambda first, last, target: shell_loops.forces(*state, *own, first, last, target), total
-        )
+            lambda first, last, target: shell_loops.forces(*state, *own, first, last, target),
+            len(self._kernel.conn), total,
+        )  # fmt: skip
 
     def add_blocks(self, x: Configuration, lam: float, tangent: Tangent, slots: Index, blocks: Array) -> None:
         ahead = np.empty((0, 9))
@@ -87,11 +97,20 @@ class CompiledShell:
             )  # fmt: skip
         state, chart, convexity = self._state(x), self._kernel.chart.tangent, float(tangent.convexity)
         own = self._answers(state, lam, True)
+        if len(own[0]):  # facets with sections of their own are taken one by one, and all others with them
+
+            def one_by_one(first: int, last: int, target: Array) -> None:
+                shell_loops.blocks(*state, *own, first, last, chart, ahead, convexity, slots, target)
+
+            self._side_by_side(one_by_one, len(self._kernel.conn), blocks)
+            return
+        kernel, u = self._kernel, state[2]
+        in_lanes = (kernel.conn, state[1], u, *self._lanes, kernel._directors, *self._of_edges, self._tangents)
 
         def work(first: int, last: int, target: Array) -> None:
-            shell_loops.blocks(*state, *own, first, last, chart, ahead, convexity, slots, target)
+            shell_lanes.blocks(*in_lanes, first, last, ahead, convexity, slots, target)
 
-        self._side_by_side(work, blocks)
+        self._side_by_side(work, len(self._tangents), blocks)
 
 
 class CompiledYieldingShell(CompiledShell):
@@ -120,3 +139,26 @@ class CompiledYieldingShell(CompiledShell):
 def _by_facet(values: Any) -> Any:
     """The facets' numbers side by side: the last axis first, in memory too."""
     return np.ascontiguousarray(np.moveaxis(values, -1, 0))
+
+
+def _in_lanes(values: Any) -> Any:
+    """Numbers (..., n) of the facets in batches (count, ..., LANES); the last one is repeated to fill its batch."""
+    more = [(0, 0)] * (values.ndim - 1) + [(0, -values.shape[-1] % LANES)]
+    filled = np.pad(values, more, mode="edge")
+    return np.ascontiguousarray(np.moveaxis(filled.reshape(*values.shape[:-1], -1, LANES), -2, 0))
+
+
+def _weighted(section: Array, area: Array, to_strain: Array, to_curvature: Array) -> tuple[Array, Array, Array]:
+    """Matrices (9, k, n) from the measures to numbers whose squares are twice the energy: stretch and couple add up
+    to nine of them, bend makes the other nine."""
+    root = np.linalg.cholesky(section).transpose(0, 2, 1) * np.sqrt(area / 12)[:, None, None]
+
+    def weighted(part: Array, fields: Array) -> Array:
+        at_corners = part[:, None] @ fields.reshape(len(part), 3, 3, -1)
+        shared = SHARE @ at_corners.reshape(len(part), 3, -1)
+        return np.asarray(shared.reshape(len(part), 9, -1).transpose(1, 2, 0))
+
+    return (
+        weighted(root[:, :3, :3], to_strain), weighted(root[:, :3, 3:], to_curvature),
+        weighted(root[:, 3:, 3:], to_curvature),
+    )  # fmt: skip

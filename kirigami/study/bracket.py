@@ -87,8 +87,9 @@ def bracket(
     """Run two rungs on two meshes, and see whether they enclose the value.
 
     Flat facets cannot follow a curved sheet without stretching, so that "plate" and "facet" are too stiff on coarse
-    meshes of thin sheets, once these have buckled; shell facets follow it, and may be a little too soft there.
-    Whether this holds for the sheet at hand is what the coarser mesh is for.
+    meshes of thin sheets, once these have buckled; shell facets follow it, and may be a little too soft where a facet
+    turns far. At the tips of slits all rungs are too stiff: where these rule, the values close in from one side, and
+    the text says that there is no bracket. What holds for the sheet at hand is what the coarser mesh is for.
 
     Parameters
     ----------

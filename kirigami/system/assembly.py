@@ -135,34 +135,47 @@ def twins(kernels: list[Kernel]) -> list[CompiledKernel | None]:
 
 
 class PickPlan:
-    """Which entries of the node blocks make up each entry of the reduced CSC matrix."""
+    """Which entries of the node blocks make up each entry of the reduced CSC matrix.
+
+    Entries of a block stand side by side in memory (see :meth:`matrix`), and the plan is sorted column by column, in
+    numbers of 32 bits where they reach: for large sheets it is the largest thing in memory.
+    """
 
     def __init__(self, plan: BlockPlan, unknown: Index, size: int, dim: int) -> None:
-        block = np.arange(plan.count)
-        rows, columns, sources = [], [], []
+        small = plan.count * dim * dim < 2**31
+        block = np.arange(plan.count, dtype=np.int32 if small else np.int64)
+        unknown = unknown.astype(np.int32)
+        off = plan.low != plan.high
+        codes, sources = [], []
         for a in range(dim):
             for b in range(dim):
                 row, column = unknown[plan.low * dim + a], unknown[plan.high * dim + b]
-                source = (a * dim + b) * plan.count + block
-                off = plan.low != plan.high
-                rows += [row, column[off]]
-                columns += [column, row[off]]
-                sources += [source, source[off]]
-        row, column, source = np.concatenate(rows), np.concatenate(columns), np.concatenate(sources)
-        kept = (row >= 0) & (column >= 0)
-        code = column[kept] * size + row[kept]
+                kept = (row >= 0) & (column >= 0)
+                source = block * (dim * dim) + (a * dim + b)
+                codes.append(column[kept].astype(np.int64) * size + row[kept])
+                sources.append(source[kept])
+                kept &= off
+                codes.append(row[kept].astype(np.int64) * size + column[kept])
+                sources.append(source[kept])
+        del row, column, kept, off, block
+        code = np.concatenate(codes)
+        del codes
         order = np.argsort(code, kind="stable")
-        code, self.source = code[order], source[kept][order]
+        code = code[order]
+        self.source = np.concatenate(sources)[order]
+        del sources, order
         new = np.flatnonzero(np.diff(code, prepend=-1))
         self.starts = None if len(new) == len(code) else new  # ties put several entries in one place
-        self.indices = (code[new] % size).astype(np.int32)
-        self.indptr = np.searchsorted(code[new], np.arange(size + 1) * size).astype(np.int32)
+        if self.starts is not None:
+            code = code[new]
+        self.indptr = np.searchsorted(code, np.arange(size + 1) * size).astype(np.int32)
+        self.indices = (code % size).astype(np.int32)
         self.size = size
 
     def matrix(self, blocks: Array) -> Any:
         from scipy.sparse import csc_matrix
 
-        data = blocks.reshape(-1)[self.source]
+        data = np.ascontiguousarray(blocks.transpose(2, 0, 1)).reshape(-1)[self.source]
         if self.starts is not None:
             data = np.add.reduceat(data, self.starts) if len(data) else data
         matrix = csc_matrix((data, self.indices, self.indptr), shape=(self.size, self.size))

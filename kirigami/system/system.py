@@ -292,45 +292,33 @@ class System(Unknowns):
             tangent = Tangent(tangent.convexity, (self.configuration(start), change[:, : self.dim]))
         plan = self.plan
         with self.clock("assembly"):
-            blocks = np.zeros((self.dim, self.dim, plan.count))
-        plain = [
-            (kernel, slots)
-            for kernel, slots, twin in zip(self.kernels, plan.slots, self.twins)
-            if twin is None and kernel.pairs != ()
-        ]
+            by_block = np.zeros((plan.count, self.dim, self.dim))  # side by side in memory, where compiled loops add
+            blocks: Array = by_block.transpose(1, 2, 0)
         for invariant in (True, False):
-            group = [(kernel, slots) for kernel, slots in plain if kernel.translation_invariant is invariant]
-            for kernel, slots in group:
+            served = False
+            for kernel, slots, twin in zip(self.kernels, plan.slots, self.twins):
+                if kernel.translation_invariant is not invariant or (twin is None and kernel.pairs == ()):
+                    continue
+                served = True
+                if twin is not None:
+                    with self.clock(f"{kernel.name} (compiled)"):
+                        twin.add_blocks(x, lam, tangent, slots, by_block)
+                    continue
                 with self.clock(kernel.name):
                     hessian = hessian_blocks(kernel, x, lam, tangent)
                 with self.clock("assembly"):
                     plan.add(blocks, kernel, slots, hessian)
-            if invariant and group:
+            if invariant and served:
                 with self.clock("assembly"):
-                    plan.complete(blocks)
-        if any(self.twins):
-            self._add_compiled(x, lam, tangent, blocks)
+                    if any(self.twins):
+                        plan.complete_compiled(by_block)
+                    else:
+                        plan.complete(blocks)
         if self.grips is not None and carried:
             total, _ = self.forces(u, lam)
             with self.clock("grips"):
                 self.grips.condense(blocks, plan.low, plan.high, np.asarray(u), total, tangent.convexity)
         return blocks
-
-    def _add_compiled(self, x: Configuration, lam: float, tangent: Tangent, blocks: Array) -> None:
-        """Add the Hessians of the kernels that compiled twins serve."""
-        gathered = np.zeros((self.plan.count, self.dim, self.dim))
-        for invariant in (True, False):
-            served = False
-            for kernel, slots, twin in zip(self.kernels, self.plan.slots, self.twins):
-                if twin is not None and kernel.translation_invariant is invariant:
-                    served = True
-                    with self.clock(f"{kernel.name} (compiled)"):
-                        twin.add_blocks(x, lam, tangent, slots, gathered)
-            if invariant and served:
-                with self.clock("assembly"):
-                    self.plan.complete_compiled(gathered)
-        with self.clock("assembly"):
-            blocks += gathered.transpose(1, 2, 0)
 
     def matrix(self, blocks: Array) -> Any:
         """Reduced stiffness matrix, scipy CSC (free, free), of assembled blocks."""

@@ -6,7 +6,7 @@ Shells on at most 2,000 corner nodes; bars and flat facets on the same squares w
 
 import numpy as np
 from case import Bound, Case, Found, each_rung
-from shells import at_zero, cylinder, grid, hemisphere, hold, near, pattern_of, surface
+from shells import around_x, at_zero, cylinder, grid, hemisphere, hold, near, pattern_of, surface
 
 import kirigami as kg
 
@@ -25,7 +25,8 @@ PULL_OUT = np.array([[0.025, 0.819, 0.864, 0.872], [0.05, 1.260, 1.471, 1.493], 
                      [0.7, 2.672, 4.385, 3.378], [0.8, 2.710, 4.455, 3.332], [0.9, 2.741, 4.508, 3.297],
                      [1.0, 2.768, 4.551, 3.269]])  # fmt: skip
 PINCHED = np.array([[0.05, 9.561], [0.1, 23.164], [0.125, 29.375], [0.15, 36.208], [0.175, 51.499], [0.2, 56.373],
-                    [0.3, 65.498], [0.4, 70.424], [0.5, 73.790]])  # fmt: skip
+                    [0.3, 65.498], [0.4, 70.424], [0.5, 73.790], [0.6, 76.331], [0.7, 78.451], [0.8, 80.218],
+                    [0.9, 81.766], [1.0, 83.102]])  # fmt: skip
 ROOF = np.array([[0.0877, 0.693], [0.1980, 1.638], [0.3473, 3.087], [0.4686, 4.477], [0.5647, 5.802],
                  [0.6381, 7.057], [0.6908, 8.237], [0.7246, 9.339], [0.7412, 10.358], [0.7421, 11.293],
                  [0.7286, 12.141], [0.7023, 12.903], [0.6649, 13.583], [0.6182, 14.188], [0.5643, 14.728],
@@ -34,7 +35,10 @@ ROOF = np.array([[0.0877, 0.693], [0.1980, 1.638], [0.3473, 3.087], [0.4686, 4.4
                  [0.2303, 21.780], [0.2950, 22.875]])  # fmt: skip
 
 FLAT = "flat facets of constant strain need finer meshes where the shell snaps"
-FOLD = "a fold some four facets wide snaps from row to row of them as it runs over the shell"
+SOFTER = (
+    "from load factor 0.175 on the load is 5 to 6 % below the table on 4,459 corner nodes too, and within 1 % of this: "
+    "two meshes agree, the table does not, whose mesh of 40 x 40 has three or four elements across the fold"
+)
 HINGES = "hinges resist twisting up to twice as much as the sheet does"
 
 
@@ -89,18 +93,49 @@ def pull_out(rung):
 
 
 def pinched_cylinder(rung):
-    """3.6: R 100, L 200, h 1, E 30e3, nu 0.3, two forces of 12,000; the load at the published deflections up to half
-    of them, beyond which the walk has ended in a fold that no facet resolves."""
+    """3.6: R 100, L 200, h 1, E 30e3, nu 0.3, two forces of 12,000; the load at the published deflections.
+
+    Facets short around the cylinder, where the fold runs: on squares of 44 the fold snaps from row to row.
+    """
     radius, length = 100.0, 200.0
-    model, nodes, points = cylinder(44, 44, radius, length, 1.0, kg.Material(30e3, 0.3), rung)
+    model, nodes, points = cylinder(60, 31, radius, length, 1.0, kg.Material(30e3, 0.3), rung)
     ends = at_zero(points[:, 0], length / 2)
     hold(model, nodes, {axis: at_zero(points[:, k]) for k, axis in enumerate("xyz")}, {"y": ends, "z": ends})
     a = near(points, (0, 0, radius))
     model.add(kg.NodalLoad(nodes[a], (0, 0, -3000)))
     results = kg.DisplacementControl(
-        model, control=(nodes[a], "z"), to=-PINCHED[-1, 1], targets=-PINCHED[:, 1], step=1.0, on_instability="follow"
+        model, control=(nodes[a], "z"), to=-83.102, targets=-PINCHED[:, 1], step=1.0, on_instability="follow"
     ).run()
     return Found([results.lam[int(np.argmin(np.abs(-results.u[:, a, 2] - w)))] for w in PINCHED[:, 1]], results)
+
+
+def half_cylinder(material):
+    """3.7: R 101.6, L 304.8, h 3, one end clamped, a force of 2,000 at the crown of the other; the long edges neither
+    lift nor turn about the axis. The deflection under the force."""
+    radius, length, n = 101.6, 304.8, 24
+    points, triangles, _ = grid(n, n, lambda u, v: (
+        length * v, radius * np.cos(np.pi / 2 * u), radius * np.sin(np.pi / 2 * u)), pattern_of("shell"))  # fmt: skip
+    model, nodes = surface("shell", points, triangles, 3.0, material, around_x(points))
+    clamped = at_zero(points[:, 0])
+    model.add(kg.Fix([nodes[k] for k in clamped], clamp=True))
+    for axis, column in (("z", 2), ("y", 1)):
+        held = sorted(set(at_zero(points[:, column])) - set(clamped))
+        model.add(kg.Symmetry([nodes[k] for k in held], axis))
+    tip = near(points, (length, 0, radius))
+    model.add(kg.NodalLoad(nodes[tip], (0, 0, -1000)))
+    results = kg.LoadControl(model, step=0.05).run()
+    return Found(-results.u[-1, tip, 2], results)
+
+
+def half_cylinder_isotropic(_):
+    """E 2068.5, nu 0.3."""
+    return half_cylinder(kg.Material(2068.5, 0.3))
+
+
+def half_cylinder_layered(_):
+    """Three layers at 90, 0 and 90 degrees from the axis: E 2068.5 along and 517.125 across, nu 0.3, G 795.6."""
+    along, across = (kg.Orthotropic(2068.5, 517.125, 0.3, 795.6, angle=angle) for angle in (0.0, np.pi / 2))
+    return half_cylinder(kg.Laminate(((across, 1.0), (along, 1.0), (across, 1.0))))
 
 
 def hinged_roof(rung):
@@ -128,8 +163,12 @@ CASES = [
          {"shell": Bound(0.02), "facet": Bound(0.05), "plate": Bound(0.7, HINGES)}, HEMISPHERE[:, 0]),
     Case("pull-out of an open cylinder", PULL_OUT[:, 1:], "deflections of three points", pull_out,
          {"shell": Bound(0.02), "facet": Bound(0.1, FLAT), "plate": Bound(0.2, HINGES)}, PULL_OUT[:, 0]),
-    Case("pinched cylinder with diaphragms", PINCHED[:, 0], "load at nine deflections", pinched_cylinder,
-         {"shell": Bound(0.1, FOLD, long=True)}, PINCHED[:, 1], axis="deflection", holds=0.05),
+    Case("pinched cylinder with diaphragms", PINCHED[:, 0], "load at fourteen deflections", pinched_cylinder,
+         {"shell": Bound(0.065, SOFTER, long=True)}, PINCHED[:, 1], axis="deflection", holds=0.05),
+    Case("half cylinder under an end force", 171.5, "deflection under the force", half_cylinder_isotropic,
+         {"shell": Bound(0.02, long=True)}),
+    Case("layered half cylinder", 178.39, "deflection under the force", half_cylinder_layered,
+         {"shell": Bound(0.02, long=True)}),
     Case("hinged roof", ROOF[:, 0], "load at 27 deflections", hinged_roof,
          {"shell": Bound(0.02), "facet": Bound(0.05), "plate": Bound(0.4, HINGES)}, ROOF[:, 1], axis="deflection",
          whole=True),
