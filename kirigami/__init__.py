@@ -53,6 +53,7 @@ _HOME = {
     "ModelObject": "primitives.parts",
     "Numbering": "primitives.parts",
     "Contact": "effects.contact",
+    "SelfContact": "effects.self_contact",
     "Plane": "effects.contact",
     "Cylinder": "effects.contact",
     "Sphere": "effects.contact",
@@ -124,6 +125,7 @@ if TYPE_CHECKING:
     from kirigami.effects.contact import Cylinder as Cylinder
     from kirigami.effects.contact import Plane as Plane
     from kirigami.effects.contact import Sphere as Sphere
+    from kirigami.effects.self_contact import SelfContact as SelfContact
     from kirigami.effects.spring import Spring as Spring
     from kirigami.elements import stiffness as stiffness
     from kirigami.elements.bar import Bar as Bar

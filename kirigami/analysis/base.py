@@ -102,6 +102,7 @@ class Run:
         q = system.unknowns(u)
         if start is not None and not any(value is not None for value in start.history):
             system.commit(system.displacement(q, lam))
+        system.check_start(system.displacement(q, lam))
         return q, lam
 
     def make_step(self, u: Array, lam: float, negative: int | None, residual: float, iterations: int) -> Step:

@@ -72,7 +72,7 @@ class Buckling(Analysis):
         rest = np.zeros_like(system.rest)
         blocks, factor = run.first_factor(rest, 0.0)
         forces, _ = system.forces(rest, 0.0)
-        held = system.plan.multiply(blocks, system.held.reshape(rest.shape))
+        held = system.multiply(blocks, system.held.reshape(rest.shape))
         with system.clock("solve"):
             constant = factor.solve(-system.reduce(forces + held))
             rate = factor.solve(-system.load_rate(rest, 0.0, blocks))

@@ -51,7 +51,7 @@ class LinearStatic(Analysis):
         blocks, factor = run.first_factor(rest, 0.0)
         rate = system.load_rate(rest, 0.0, blocks)
         forces, _ = system.forces(rest, 0.0)
-        held = system.plan.multiply(blocks, system.held.reshape(rest.shape))
+        held = system.multiply(blocks, system.held.reshape(rest.shape))
         with system.clock("solve"):
             q_constant = factor.solve(-system.reduce(forces + held))
             q_rate = factor.solve(-rate)
@@ -60,7 +60,7 @@ class LinearStatic(Analysis):
             run.store(run.make_step(u, lam, factor.negative, float("nan"), 1))
             # The residual of the linear equations, over the forces that the displacements cause block by block.
             unbalanced = system.reduce(system.carried(results._row_gradients[-1], rest))
-            caused = float(np.linalg.norm(system.plan.multiply(np.abs(blocks), np.abs(u)))) or 1.0
+            caused = float(np.linalg.norm(system.multiply(np.abs(blocks), np.abs(u)))) or 1.0
             results.steps[-1] = replace(
                 results.steps[-1],
                 residual=float(np.linalg.norm(unbalanced)) / caused,

@@ -251,6 +251,21 @@ class Kernel:
         """Given where the nodes are, put a guess into the rows of `x` behind them, and take it as the state from which
         history goes on; kernels without such rows have nothing to do."""
 
+    # ---- members that come and go
+
+    def coupling(self, x: Array, tangent: Tangent = EXACT) -> Any:
+        """Hessian as a sparse matrix (rows * dim, rows * dim) at `x`, of kernels whose members come and go with it, so
+        that their blocks stand in no plan; None where it is zero. Such a kernel declares ``pairs = ()``."""
+        return None
+
+    def admissible(self, x: Array, y: Array) -> float:
+        """Largest share of the straight way from `x` to `y` that may be gone: less than 1 where the way leads through
+        what the kernel forbids. Only kernels that override this are asked."""
+        return 1.0
+
+    def check_start(self, x: Array) -> None:
+        """Raise a ModelError where an analysis must not start from `x`. Only kernels that override this are asked."""
+
     # ---- history
 
     def commit(self, x: Array) -> None:

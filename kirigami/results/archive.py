@@ -45,6 +45,7 @@ KERNELS = {
     "FlowPressureKernel": "model.flow_pressure",
     "PressureKernel": "model.pressure",
     "RimPressureKernel": "model.pressure",
+    "SelfContactKernel": "effects.self_contact",
     "ShellFacetKernel": "elements.shell_kernel",
     "SpringKernel": "effects.spring",
     "TorsionSpring3Kernel": "elements.torsion_spring",

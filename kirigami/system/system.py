@@ -21,6 +21,7 @@ from kirigami.primitives.kernel import EXACT, Array, Configuration, Kernel, Tang
 from kirigami.primitives.parts import Numbering
 from kirigami.system.apart import ApartKernel, kernels_apart, require_apart
 from kirigami.system.assembly import BlockPlan, Index, PickPlan, compiled_largest_turn, scatter_add, twins
+from kirigami.system.blocks import Blocks, more_of
 from kirigami.system.clock import Clock
 from kirigami.system.unknowns import Unknowns
 
@@ -89,6 +90,11 @@ class System(Unknowns):
             self._check_dangling(numbering)
             self._measure()
         self.twins = twins(self.kernels)
+        self._limiting = [kernel for kernel in self.kernels if type(kernel).admissible is not Kernel.admissible]
+        self._coupled = [kernel for kernel in self.kernels if type(kernel).coupling is not Kernel.coupling]
+        if self._coupled and self.grips is not None:
+            names = ", ".join(kernel.name for kernel in self._coupled)
+            raise ModelError(f"{names} does not go with a Grip or RigidLink: hold and move nodes by Fix and Prescribe")
         self._blocks_plan: BlockPlan | None = None
         self._links: tuple[Index, Index, Array] | None = None
         self._pick_plan: PickPlan | None = None
@@ -265,10 +271,9 @@ class System(Unknowns):
     def load_rate(self, u: Array, lam: float, blocks: Array) -> Array:
         """Change of the residual (free,) with the load factor at fixed unknowns."""
         x = self.configuration(u)
-        plan = self.plan
         with self.clock("assembly"):
             drive = self.drive_at(lam).reshape(self.rest.shape)
-            rate = plan.multiply(blocks, drive) if drive.any() else np.zeros_like(drive)
+            rate = self.multiply(blocks, drive) if drive.any() else np.zeros_like(drive)
         loads = rate if self.grips is None else np.zeros_like(rate)
         for kernel in self.kernels:
             if kernel.scaled:
@@ -318,14 +323,39 @@ class System(Unknowns):
             total, _ = self.forces(u, lam)
             with self.clock("grips"):
                 self.grips.condense(blocks, plan.low, plan.high, np.asarray(u), total, tangent.convexity)
-        return blocks
+        return self._coupling(blocks, x, tangent) if self._coupled else blocks
+
+    def _coupling(self, blocks: Array, x: Configuration, tangent: Tangent) -> Array:
+        """The blocks with what kernels couple beyond the plan."""
+        more = None
+        for kernel in self._coupled:
+            with self.clock(kernel.name):
+                part = kernel.coupling(x, tangent)
+            if part is not None:
+                more = part if more is None else more + part
+        return blocks if more is None else Blocks(blocks, more)
+
+    def multiply(self, blocks: Array, vector: Array) -> Array:
+        """Product of assembled blocks with a field (n, dim)."""
+        product, more = self.plan.multiply(np.asarray(blocks), vector), more_of(blocks)
+        return product if more is None else product + (more @ vector.ravel()).reshape(vector.shape)
 
     def matrix(self, blocks: Array) -> Any:
         """Reduced stiffness matrix, scipy CSC (free, free), of assembled blocks."""
         with self.clock("assembly"):
             if self._pick_plan is None:
                 self._pick_plan = PickPlan(self.plan, self.unknown, self.free, self.dim)
-            return self._pick_plan.matrix(blocks)
+            matrix, more = self._pick_plan.matrix(np.asarray(blocks)), more_of(blocks)
+            return matrix if more is None else (matrix + self._reduced(more)).tocsc()
+
+    def _reduced(self, more: Any) -> Any:
+        """A sparse matrix over all displacements, summed onto the unknowns."""
+        from scipy.sparse import coo_matrix
+
+        entries = more.tocoo()
+        row, column = self.unknown[entries.row], self.unknown[entries.col]
+        kept = (row >= 0) & (column >= 0)
+        return coo_matrix((entries.data[kept], (row[kept], column[kept])), shape=(self.free, self.free)).tocsc()
 
     def stiffness(self, u: ArrayLike | None = None, lam: float = 0.0, constrained: bool = True) -> Any:
         """Tangent stiffness as a scipy CSC matrix.
@@ -346,7 +376,9 @@ class System(Unknowns):
         blocks = self.stiffness_blocks(state, lam, carried=constrained)
         if constrained:
             return self.matrix(blocks)
-        return PickPlan(self.plan, np.arange(self.rest.size), self.rest.size, self.dim).matrix(blocks)
+        matrix = PickPlan(self.plan, np.arange(self.rest.size), self.rest.size, self.dim).matrix(np.asarray(blocks))
+        more = more_of(blocks)
+        return matrix if more is None else (matrix + more).tocsc()
 
     @property
     def plan(self) -> BlockPlan:
@@ -379,6 +411,22 @@ class System(Unknowns):
             columns = np.ascontiguousarray(change.T)
             square = ((columns[:, high] - columns[:, low]) ** 2).sum(axis=0)
             return max(behind, float(np.sqrt((square / distance**2).max(initial=0.0))))
+
+    def admissible(self, u: Array, v: Array) -> float:
+        """Largest share of the straight way from displacements `u` to `v`, both (n, dim), that the effects allow."""
+        if not self._limiting:
+            return 1.0
+        x, y = self.configuration(u), self.configuration(v)
+        share = 1.0
+        for kernel in self._limiting:
+            with self.clock("step control"):
+                share = min(share, kernel.admissible(x, y))
+        return share
+
+    def check_start(self, u: Array) -> None:
+        """Raise a ModelError where an effect forbids displacements `u` (n, dim) as a start."""
+        for kernel in self._limiting:
+            kernel.check_start(self.configuration(u))
 
     @property
     def conservative(self) -> bool:

@@ -16,6 +16,7 @@ from kirigami.system.system import System
 
 CAP = 0.3  # largest turn of a member in a correction [rad]
 REFUSED = 0.7  # a time step that turns a member by more is refused: beyond, normals flip and energy comes from nowhere
+LEAST_SHARE = 1e-8  # share of a correction that effects must allow for it to be worth another one
 CORRECTIONS = 20  # most corrections of a time step
 STILL = 1e-11  # turn of a member in a correction that changes nothing any more [rad]
 CONVEX = Tangent(convexity=1.0)
@@ -172,6 +173,12 @@ class Motion:
         q = guess
         before = self.displacement(start)
         u = self.at(q, factors)
+        share = system.admissible(before, u)
+        if share < 1:  # what is driven arrives, the rest follows as far as it may
+            q = start.q + 0.9 * share * (guess - start.q)
+            u = self.at(q, factors)
+            if system.admissible(before, u) < 1:
+                raise StepFailedError("the sheet would pass through itself")
         still = False
         for correction in range(CORRECTIONS + 1):
             with np.errstate(all="ignore"):
@@ -196,10 +203,17 @@ class Motion:
                 raise StepFailedError("a correction is not finite")
             if turn > CAP:
                 change, turn = (CAP / turn) * change, CAP
+            share = system.admissible(u, self.at(q + change, factors))
+            if share < LEAST_SHARE:
+                raise StepFailedError("the sheet would pass through itself")
+            if share < 1:
+                change, turn = share * change, share * turn
             still = turn < STILL
             q = q + change
             u = self.at(q, factors)
             self.count()
+        if system.admissible(before, u) < 1:
+            raise StepFailedError("the sheet would pass through itself")
         turn = system.largest_rotation(u - before)
         if turn > REFUSED:
             raise StepFailedError(f"a member would turn by {turn:.2g} rad in one time step, more than {REFUSED:g}")

@@ -65,7 +65,7 @@ def advance(
         if motion.spin.parts:
             total += motion.spin.forces(averaged, system.rest + u0 + 0.5 * change)
         if damping is not None:
-            total += system.plan.multiply(damping, change / step)
+            total += system.multiply(damping, change / step)
         return total, float(np.sqrt(square))
 
     def equations(q: Array) -> tuple[Array, float, Callable[[], Array]]:

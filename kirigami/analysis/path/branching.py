@@ -32,6 +32,8 @@ def leave_along_mode(run: PathRun, located: Step, mode: Array, sign: int) -> tup
         system.history = located.history
         control.begin(origin, far)
         ahead = origin.q + far * direction
+        if system.admissible(origin.u, system.displacement(ahead, origin.lam)) < 1:
+            continue
         attempt = run.correct(control, State(ahead, origin.lam, system.displacement(ahead, origin.lam)))
         tangent = run.tangent_at(attempt)
         if tangent is None:

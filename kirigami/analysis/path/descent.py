@@ -185,7 +185,8 @@ class _Descent(Iterate):
         """A small move along the mode nearest to neutral, by inverse iteration; its largest entry is positive."""
         _, mode = inverse_iteration(factor, self.system.free, 8)
         mode *= np.sign(mode[np.argmax(np.abs(mode))])
-        return mode * (PUSH / self.system.largest_rotation(self.change(mode)))
+        mode *= PUSH / self.system.largest_rotation(self.change(mode))
+        return self.system.admissible(self.u, self.u + self.change(mode)) * mode
 
     def _attempt(self, iteration: int, reason: str = "") -> Attempt:
         return Attempt(self.state, not reason, self.relative, iteration, self.history, reason, left_at=self.left)

@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from kirigami.analysis.path.newton import ROTATION_CAP
+from kirigami.analysis.path.newton import BLOCKED, LEAST_SHARE, ROTATION_CAP
 from kirigami.analysis.path.points import State, Stiffness
 from kirigami.linalg import Factor, NearbyFactor, SingularMatrixError, nearby_factor
 from kirigami.primitives.kernel import Ahead, Array, Tangent
@@ -94,6 +94,11 @@ class Iterate:
             raise SingularMatrixError("the correction is not finite")
         if turn > ROTATION_CAP:
             step, change = (ROTATION_CAP / turn) * step, (ROTATION_CAP / turn) * change
+        share = self.system.admissible(self.u, self.u + change)
+        if share < 1:
+            if share < LEAST_SHARE:
+                raise SingularMatrixError(BLOCKED)
+            step, change = share * step, share * change
         self.ahead = self.u, change
         self.move(step)
         self.balance()
@@ -107,6 +112,8 @@ class Iterate:
             step = self.solve(factor)
             change = self.change(step)
             if not self.system.largest_rotation(change) < ROTATION_CAP:
+                return
+            if self.system.admissible(self.u, self.u + change) < 1:
                 return
             with np.errstate(all="ignore"):
                 residual, relative = self.system.imbalance(self.u + change, self.lam)

@@ -28,6 +28,8 @@ from kirigami.primitives.kernel import Ahead, Array, Tangent
 from kirigami.system.system import System
 
 ROTATION_CAP = 0.3  # largest turn of a member in one correction [rad]
+LEAST_SHARE = 1e-8  # share of a correction that effects must allow for it to be worth another one
+BLOCKED = "the sheet would pass through itself"
 DIVERGED = 1e6  # growth of the residual after which an attempt is hopeless
 
 
@@ -87,6 +89,11 @@ def correct(
         if turn > ROTATION_CAP:
             shortened = ROTATION_CAP / turn
             step_q, step_lam, change = shortened * step_q, shortened * step_lam, shortened * change
+        share = system.admissible(u, u + change)
+        if share < LEAST_SHARE:
+            return failed(BLOCKED)
+        if share < 1:
+            step_q, step_lam, change = share * step_q, share * step_lam, share * change
         tangent = Tangent(ahead=(u, change))
         q, lam = q + step_q, lam + step_lam
         u = system.displacement(q, lam)

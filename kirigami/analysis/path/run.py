@@ -10,7 +10,7 @@ from kirigami.analysis.base import Run, require_potential
 from kirigami.analysis.path.controls import Control, LoadFactorControl
 from kirigami.analysis.path.descent import CORRECTORS, descend
 from kirigami.analysis.path.increments import Increments
-from kirigami.analysis.path.newton import correct
+from kirigami.analysis.path.newton import BLOCKED, correct
 from kirigami.analysis.path.points import Attempt, Point, State, Stiffness, Tangent
 from kirigami.analysis.path.settings import PathSettings
 from kirigami.errors import ConvergenceError
@@ -20,6 +20,7 @@ from kirigami.primitives.kernel import Ahead, Array
 MAX_ITERATIONS = 14
 MAX_RELAXATION = 120
 DRIFT_LARGEST = 0.25  # an equilibrium that far off the prediction may lie on another branch: the increment is cut [rad]
+HALVINGS = 6  # of the share of a prediction that effects allow
 PREDICTED_TURN = 0.5  # a prediction that turns a member by more is cut before it is tried [rad]
 
 
@@ -60,7 +61,20 @@ class PathRun(Run):
             return None
         q, lam = state.q + step_lam * rate, state.lam + step_lam
         u = self.system.displacement(q, lam)
+        share = self.system.admissible(state.u, u)
+        for _ in range(HALVINGS if share < 1 else 0):  # what is driven arrives, the rest follows as far as it may
+            q = state.q + share * step_lam * rate
+            u = self.system.displacement(q, lam)
+            if self.system.admissible(state.u, u) == 1:
+                break
+            share *= 0.5
         return State(q, lam, u), u - state.u
+
+    def blocked(self, before: Point, state: State) -> Attempt | None:
+        """A failed attempt where the way from a point to a state is forbidden, else None."""
+        if self.system.admissible(before.state.u, state.u) == 1:
+            return None
+        return Attempt(before.state, False, float("inf"), 0, [], BLOCKED)
 
     def try_increment(self, before: Point, increment: float) -> Attempt:
         """Predict along the tangent and correct by Newton's method."""
@@ -71,6 +85,8 @@ class PathRun(Run):
         state, change = predicted
         if system.largest_rotation(change) > PREDICTED_TURN:
             return Attempt(before.state, False, float("inf"), 0, [], "the increment turns members too far")
+        if (blocked := self.blocked(before, state)) is not None:
+            return blocked
         attempt = self.correct(self.control, state, (before.state.u, change))
         attempt.iterations += 1
         attempt.drift = system.largest_rotation(attempt.state.u - state.u)
@@ -96,6 +112,8 @@ class PathRun(Run):
             q = before.state.q
             state = State(q, state.lam, system.displacement(q, state.lam))
             change = state.u - before.state.u
+        if (blocked := self.blocked(before, state)) is not None:
+            return blocked
         attempt = self.descend(state, (before.state.u, change))
         attempt.iterations += 1
         attempt.drift = system.largest_rotation(attempt.state.u - state.u)

@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 
 from kirigami.analysis.path.events import tell_events
+from kirigami.analysis.path.newton import BLOCKED
 from kirigami.analysis.path.points import Attempt, Point, State
 from kirigami.analysis.path.run import PathRun
 from kirigami.analysis.path.stable import PUSH, SHARE
@@ -48,6 +49,7 @@ class SlowSteps(Steps):
     def __init__(self, run: PathRun) -> None:
         super().__init__(run)
         self._diagonal: Any = None
+        self._pattern: Any = None  # of the matrix that the diagonal is of
 
     @property
     def memory(self) -> dict[str, Any]:
@@ -140,7 +142,7 @@ class SlowSteps(Steps):
             if self.velocity is not None:
                 q = before.q + step * self.velocity
                 u = system.displacement(q, lam)
-                if system.largest_rotation(u - before.u) <= TURN:
+                if system.largest_rotation(u - before.u) <= TURN and system.admissible(before.u, u) == 1:
                     guess, ahead = State(q, lam, u), (before.u, u - before.u)
             after, reason = self._implicit_step(before, guess, step, ahead)
             if after is None:
@@ -165,6 +167,8 @@ class SlowSteps(Steps):
         """An implicit Euler step of the motion: the state after it, or why there is none."""
         run, system, weight = self.run, self.run.system, self.run.weight / step
         q, lam, u = guess.q, guess.lam, guess.u
+        if system.admissible(before.u, u) < 1:
+            return None, BLOCKED
         start = system.displacement(before.q, before.lam)
         try:
             for _ in range(CORRECTIONS):
@@ -182,6 +186,8 @@ class SlowSteps(Steps):
                 turn = system.largest_rotation(change)
                 if not turn < CAP:
                     return None, "a correction turns members too far"
+                if system.admissible(u, u + change) < 1:
+                    return None, BLOCKED
                 ahead = u, change
                 q = q + correction
                 u = system.displacement(q, lam)
@@ -194,7 +200,8 @@ class SlowSteps(Steps):
 
     def _heavier(self, matrix: Any, weight: Array) -> Any:
         """The stiffness with a mass over a time step on its diagonal."""
-        if self._diagonal is None:
+        if self._pattern is not matrix.indices:  # contact changes it
+            self._pattern = matrix.indices
             columns = np.repeat(np.arange(matrix.shape[1]), np.diff(matrix.indptr))
             self._diagonal = np.flatnonzero(matrix.indices == columns)
         heavier = matrix.copy()

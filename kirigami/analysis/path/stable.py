@@ -123,8 +123,11 @@ class StableSteps(Steps):
         if self.rate is not None and self.rate_lam != before.state.lam:
             bend = 0.5 * increment**2 * (before.tangent.rate - self.rate) / (before.state.lam - self.rate_lam)
             bent = system.displacement(ahead.q + bend, ahead.lam)
-            if system.largest_rotation(bent - ahead.u) < 0.5 * turn:
+            near = system.largest_rotation(bent - ahead.u) < 0.5 * turn
+            if near and system.admissible(before.state.u, bent) == 1:
                 start = State(ahead.q + bend, ahead.lam, bent)
+        if (blocked := run.blocked(before, start)) is not None:
+            return blocked, ahead, turn
         tol, count = run.settings.tol, run.count_iteration
         linear = before.state.u, change
         attempt = track(system, run.factorize_blocks, start, tol, linear, before.tangent.factor, count)
@@ -163,6 +166,8 @@ class StableSteps(Steps):
             q = before.state.q + part * (guess.q - before.state.q)
             start = State(q, guess.lam, system.displacement(q, guess.lam))
             linear = before.state.u, start.u - before.state.u
+        if (blocked := run.blocked(before, start)) is not None:
+            return blocked
         landed = run.descend(start, linear)
         landed.iterations += 1
         landed.drift = system.largest_rotation(landed.state.u - guess.u)

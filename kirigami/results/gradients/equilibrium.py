@@ -164,7 +164,7 @@ class Equilibrium:
         right[: system.points] = told.by_position[:, : system.dim]
         if w.any():
             blocks = system.stiffness_blocks(self.u, self.lam, carried=False)
-            right += system.plan.multiply(blocks, w)
+            right += system.multiply(blocks, w)
         if told.by_energy:
             for kernel in system.kernels:
                 if kernel.stores_energy:

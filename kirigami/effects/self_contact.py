@@ -1,0 +1,340 @@
+"""A sheet that touches itself: its facets are held apart by a barrier, and no step may lead one through another.
+
+With d the distance of a node from a facet, or of two edges, all by the flat triangles of the corners, the potential is
+
+    sum  w k s^2 b(d),     b -> infinity where d -> t - s,     b = 0 from d = t on,
+
+a logarithmic barrier in a layer s below the thickness t of the sheet, twice differentiable, w the area that stands for
+the pair and k a pressure (Li et al., Incremental Potential Contact, ACM Trans. Graph. 39 (2020) 49). Middle surfaces
+thus touch at a distance between t - s and t. Pairs, distances, the barrier and its derivatives, and the share of a step
+after which two parts would meet (continuous collision detection) are those of the library `ipctk`.
+
+Pairs that are closer than t at rest are neighbours along the sheet, or lips of a slit. Each of them is left out until
+it has once been further apart than t in an equilibrium; from then on it is in contact when it meets again.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any, ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kirigami.effects.lips import check_gaps, close_pairs
+from kirigami.errors import ModelError
+from kirigami.post.crossing import crossings, toolkit
+from kirigami.primitives.checks import require_instance, require_items, require_positive
+from kirigami.primitives.kernel import EXACT, Array, Contribution, Kernel, Tangent
+from kirigami.primitives.node import Node
+from kirigami.primitives.parts import ModelObject, Numbering
+
+LAYER = 0.25  # layer over the thickness
+OF_EDGES = 0.25  # largest layer over the median edge
+SOFTER = 1e-4  # pressure of the barrier over the stiffness of a node at rest by the thickness, about E
+ITERATIONS = 2000  # most of one continuous detection; then a shorter step is as good an answer
+OWNER = "SelfContact"
+
+
+class SelfContact(ModelObject):
+    """Contact of a sheet with itself, and with fixed obstacles: a barrier, and steps that never lead through.
+
+    Parameters
+    ----------
+    thickness : float, optional
+        Distance of the middle surfaces at which they begin to touch [length]; None takes the thickness of the sheet,
+        the largest one where it varies.
+    layer : float, optional
+        Depth over which the force sets in, below the thickness [length]; None takes a quarter of the thickness, at most
+        a quarter of the median edge.
+    stiffness : float, optional
+        Pressure of the barrier [force / length^2], about a third of that in the middle of the layer; None takes a
+        ten-thousandth of the stiffest node over the thickness.
+    obstacles : sequence of TriMesh
+        Surfaces that do not move and are touched at the same distance.
+
+    Raises
+    ------
+    AnalysisError
+        When a system is made: `ipctk` is not installed (``pip install 'kirigami[contact]'``).
+    ModelError
+        A value out of range; when a system is made: a model without a mesh or with dim=2, a rest state that crosses
+        itself, a thickness larger than a gap at rest.
+
+    Examples
+    --------
+    A strip with clamped ends is pushed together until its legs touch, at 0.849 of its length:
+
+    >>> import kirigami as kg
+    >>> contact = kg.SelfContact(thickness=0.002)
+    >>> contact
+    SelfContact(thickness=0.002)
+    """
+
+    kind: ClassVar[str] = "effect"
+    thickness: float | None
+    layer: float | None
+    stiffness: float | None
+    obstacles: tuple[Any, ...]
+
+    def __init__(
+        self,
+        thickness: float | None = None,
+        layer: float | None = None,
+        *,
+        stiffness: float | None = None,
+        obstacles: Sequence[Any] = (),
+    ) -> None:
+        from kirigami.geometry.mesh import TriMesh
+
+        self.thickness = None if thickness is None else require_positive(thickness, "thickness", OWNER)
+        self.layer = None if layer is None else require_positive(layer, "layer", OWNER)
+        self.stiffness = None if stiffness is None else require_positive(stiffness, "stiffness", OWNER)
+        listed = [obstacles] if isinstance(obstacles, TriMesh) else require_items(obstacles, "obstacles", OWNER)
+        self.obstacles = tuple(require_instance(one, TriMesh, "obstacles", OWNER) for one in listed)
+        if self.thickness is not None and self.layer is not None and self.layer > self.thickness:
+            raise ModelError(f"{OWNER}: layer must be at most the thickness {thickness}, got {layer}")
+
+    @property
+    def nodes(self) -> tuple[Node, ...]:
+        return ()
+
+    @classmethod
+    def lower(cls, objects: Sequence[SelfContact], numbering: Numbering) -> list[Kernel]:
+        item, mesh = objects[0], numbering.mesh
+        if len(objects) > 1:
+            raise ModelError(f"{OWNER}: the model has {len(objects)} of them: add one, with all obstacles")
+        if mesh is None or numbering.dim < 3:
+            raise ModelError(f"{OWNER} is of a sheet in space: make the model by Model.from_mesh(mesh) with dim=3")
+        thickness = item.thickness
+        if thickness is None:
+            if numbering.sheet is None:
+                raise ModelError(f"{OWNER}: the model has no thickness to take: give thickness=")
+            thickness = float(np.max(numbering.sheet.thickness))
+        layer = item.layer
+        if layer is None:
+            layer = min(LAYER * thickness, OF_EDGES * float(np.median(mesh.edge_lengths)))
+        if layer > thickness:
+            raise ModelError(f"{OWNER}: layer must be at most the thickness {thickness:.6g}, got {layer:.6g}")
+        nodes = np.arange(len(mesh.nodes))
+        stiffness = item.stiffness
+        if stiffness is None:
+            stiffness = SOFTER * float(np.median(numbering.rest_stiffness()[nodes])) / thickness
+        edges, triangles, fixed = [mesh.edges], [mesh.triangles], np.empty((0, 3))
+        for obstacle in item.obstacles:
+            before = len(nodes) + len(fixed)
+            edges.append(obstacle.edges + before)
+            triangles.append(obstacle.triangles + before)
+            places = np.zeros((len(obstacle.nodes), 3))
+            places[:, : obstacle.nodes.shape[1]] = obstacle.nodes
+            fixed = np.concatenate([fixed, places])
+        kernel = SelfContactKernel(
+            numbering.rest, nodes[:, None], np.concatenate(edges), np.concatenate(triangles), fixed,
+            thickness, layer, stiffness,
+        )  # fmt: skip
+        kernel.check_rest()
+        return [kernel]
+
+    def __repr__(self) -> str:
+        given = [f"{name}={value}" for name, value in vars(self).items() if value is not None and name != "obstacles"]
+        given += [f"{len(self.obstacles)} obstacles"] * bool(self.obstacles)
+        return f"SelfContact({', '.join(given)})"
+
+
+class SelfContactKernel(Kernel):
+    """The contact of one sheet; a member is a node, and what it bears is the sum over its pairs.
+
+    Parameters
+    ----------
+    rest : ndarray, shape (rows, 3)
+        Rest positions.
+    conn : ndarray of int, shape (n, 1)
+        Nodes of the sheet.
+    edges, triangles : ndarray of int, shapes (e, 2) and (m, 3)
+        Of the sheet and behind them of the obstacles, whose nodes are counted from n on.
+    fixed : ndarray, shape (f, 3)
+        Nodes of the obstacles.
+    thickness, layer, stiffness : float
+        See :class:`SelfContact`.
+    """
+
+    name = "self-contact"
+    pairs = ()
+
+    def __init__(
+        self,
+        rest: Array,
+        conn: NDArray[np.int64],
+        edges: NDArray[np.int64],
+        triangles: NDArray[np.int64],
+        fixed: Array,
+        thickness: float,
+        layer: float,
+        stiffness: float,
+    ) -> None:
+        ipctk = self._ipctk = toolkit(OWNER)
+        self.rest, self.conn, self.edges, self.triangles, self.fixed = rest, conn, edges, triangles, fixed
+        self.thickness, self.layer, self.stiffness = float(thickness), float(layer), float(stiffness)
+        self.least = self.thickness - self.layer  # distance that is never reached
+        self._surface = ipctk.CollisionMesh(
+            self._places(rest), np.asfortranarray(edges, np.int32), np.asfortranarray(triangles, np.int32)
+        )
+        self._barrier = ipctk.BarrierPotential(self.layer, self.stiffness, True)
+        self._detection = ipctk.AdditiveCCD(max_iterations=ITERATIONS)
+        self._search = ipctk.LBVH()
+        self._reach = 0.5 * self.thickness  # how far a node may move before pairs are searched for again
+        self._lips = close_pairs(self._surface, self._places(rest), self.thickness, ipctk)
+        self._apart = np.zeros(len(self._lips))
+        self._filter()
+
+    def arrays(self) -> dict[str, Any]:
+        names = ("conn", "edges", "triangles", "fixed", "thickness", "layer", "stiffness")
+        return {name: getattr(self, name) for name in names}
+
+    def _places(self, x: Array) -> Array:
+        """Positions (n + f, 3) of the nodes of sheet and obstacles, as the library wants them."""
+        own = np.asarray(x, dtype=float)[self.conn[:, 0]]
+        return np.asfortranarray(np.concatenate([own, self.fixed]) if len(self.fixed) else own)
+
+    # ---- pairs
+
+    def _filter(self) -> None:
+        """Leave out the pairs that were close at rest and have not been apart since."""
+        together = (self._lips[number] for number in np.flatnonzero(self._apart == 0))
+        left_out = {nodes: False for pair in together for nodes in pair.node_pairs()}
+        self._surface.can_collide = self._ipctk.make_sparse_filter(left_out, True)
+        self._around: Array | None = None
+        self._at: Array | None = None
+
+    def _candidates(self, places: Array) -> Any:
+        """Pairs that may touch within reach of positions; searched for again once a node has moved too far."""
+        if self._around is None or np.abs(places - self._around).max() > self._reach / np.sqrt(3.0):
+            self._near = self._ipctk.Candidates()
+            self._near.build(self._surface, places, 0.5 * self.thickness + self._reach, self._search)
+            self._around = places
+        return self._near
+
+    def _touching(self, places: Array) -> Any:
+        """Pairs within the layer."""
+        if self._at is None or not np.array_equal(places, self._at):
+            candidates = self._candidates(places)
+            self._pairs = self._ipctk.NormalCollisions()
+            self._pairs.use_area_weighting = True
+            self._pairs.build(candidates, self._surface, places, self.layer, self.least)
+            self._at = places
+        return self._pairs
+
+    # ---- the contract
+
+    def evaluate(self, x: Array, lam: float = 1.0, need: int = 2) -> Contribution:
+        n = len(self.conn)
+        places = self._places(x)
+        if not np.isfinite(places).all():
+            return Contribution(np.full(n, np.nan), np.full((n, 1, 3), np.nan))
+        pairs = self._touching(places)
+        if not len(pairs):
+            return Contribution(np.zeros(n), np.zeros((n, 1, 3)))
+        energy = np.full(n, self._barrier(pairs, self._surface, places) / n)
+        if need == 0:
+            return Contribution(energy)
+        gradient = self._barrier.gradient(pairs, self._surface, places).reshape(-1, 3)[:n]
+        return Contribution(energy, np.ascontiguousarray(gradient)[:, None])
+
+    def coupling(self, x: Array, tangent: Tangent = EXACT) -> Any:
+        places = self._places(x)
+        pairs = self._touching(places) if np.isfinite(places).all() else ()
+        if not len(pairs):
+            return None
+        project = self._ipctk.PSDProjectionMethod
+        share = tangent.convexity
+        hessian = None
+        for part, method in ((1 - share, project.NONE), (share, project.CLAMP)):
+            if part:
+                one = part * self._barrier.hessian(pairs, self._surface, places, method)
+                hessian = one if hessian is None else hessian + one
+        from scipy.sparse import csc_matrix
+
+        assert hessian is not None
+        own = hessian.tocoo()
+        rows = 3 * self.conn[:, 0][:, None] + np.arange(3)
+        rows = np.append(rows.ravel(), np.full(3 * len(self.fixed), -1))
+        row, column = rows[own.row], rows[own.col]
+        kept = (row >= 0) & (column >= 0)
+        size = 3 * len(self.rest)
+        return csc_matrix((own.data[kept], (row[kept], column[kept])), shape=(size, size))
+
+    def admissible(self, x: Array, y: Array) -> float:
+        start, end = self._places(x), self._places(y)
+        if not np.isfinite(end).all():
+            return 1.0  # which is told elsewhere
+        reach = self._reach / np.sqrt(3.0)
+        known = self._around is not None and max(np.abs(p - self._around).max() for p in (start, end)) <= reach
+        candidates = self._near if known else self._ipctk.Candidates()
+        if not known:
+            candidates.build(self._surface, start, end, 0.5 * self.least, self._search)
+        if not len(candidates):
+            return 1.0
+        share = candidates.compute_collision_free_stepsize(self._surface, start, end, self.least, self._detection)
+        return float(min(share, 1.0))
+
+    def check_rest(self) -> None:
+        """Raise a ModelError where the rest state crosses itself or has a gap less than the thickness."""
+        check_gaps(self._lips, self._places(self.rest), self.edges, len(self.conn), self.thickness, OWNER)
+        self.check_start(self.rest)
+
+    def check_start(self, x: Array) -> None:
+        places = self._places(x)
+        found = crossings(places, self.edges, self.triangles)
+        if len(found):
+            where = ", ".join("(" + ", ".join(f"{value:.4g}" for value in place) + ")" for place in found[:3])
+            raise ModelError(
+                f"{OWNER}: the sheet crosses itself or an obstacle where it starts, at {len(found)} places: {where}; "
+                "a barrier cannot undo that: start from a state, or draw a sheet, that is free of crossings"
+            )
+        pairs = self._ipctk.NormalCollisions()
+        pairs.build(self._surface, places, self.layer, self.least, self._search)
+        if not len(pairs):
+            return
+        gap = float(np.sqrt(pairs.compute_minimum_distance(self._surface, places)))
+        if gap <= self.least * (1 + 1e-9):
+            raise ModelError(
+                f"{OWNER}: two parts of the sheet are {gap:.4g} apart where it starts, which leaves no room for the "
+                f"thickness {self.thickness:.4g} less the layer {self.layer:.4g}: give a smaller thickness="
+            )
+
+    # ---- which lips have been apart
+
+    def commit(self, x: Array) -> None:
+        together = np.flatnonzero(self._apart == 0)
+        if not len(together):
+            return
+        places = self._places(x)
+        moved = [number for number in together if self._lips[number].distance(places) > self.thickness]
+        if moved:
+            self._apart = self._apart.copy()
+            self._apart[moved] = 1.0
+            self._filter()
+
+    @property
+    def history(self) -> Array | None:
+        """1 for each pair close at rest that has been apart since, else 0."""
+        return self._apart
+
+    @history.setter
+    def history(self, value: Array | None) -> None:
+        new = np.zeros(len(self._lips)) if value is None else np.array(value, dtype=float)
+        if not np.array_equal(new, self._apart):
+            self._apart = new
+            self._filter()
+
+    # ---- what it tells
+
+    def deformation(self, x: Array) -> Array:
+        """Force (n, 3) by which the sheet's own other parts, and obstacles, press on each node."""
+        gradient = self.evaluate(x, 1.0, 1).gradient
+        assert gradient is not None
+        return -gradient[:, 0]
+
+    def force(self, deformation: Array) -> Array:
+        """The same."""
+        return deformation
