@@ -35,6 +35,39 @@ class ClosePair:
         return [(min(a, b), max(a, b)) for a in first for b in second if a != b]
 
 
+def coincident(drawn: Array) -> NDArray[np.int64]:
+    """Pairs (k, 2) of nodes that coincide where they are drawn (n, 3), as on the lips of a slit."""
+    from scipy.spatial import cKDTree
+
+    size = float(np.linalg.norm(np.ptp(drawn, axis=0)))
+    return cKDTree(drawn).query_pairs(COINCIDENT * size, output_type="ndarray").astype(np.int64)
+
+
+def drawn_in(drawn: Array, triangles: NDArray[np.int64], apart: float) -> Any:
+    """Sparse matrix (n, n) that takes nodes to a surface whose lips of slits are `apart`.
+
+    A node on a lip goes towards the centroid c of the facets about it, at most all the way; with c' that of the node it
+    coincides with, it goes half of `apart` along c - c'.
+    """
+    from scipy.sparse import coo_matrix, diags
+
+    n = len(drawn)
+    corners = triangles.ravel()
+    others = np.repeat(triangles, 3, axis=0)
+    rows, columns = np.repeat(corners, 3), others.ravel()
+    fan = coo_matrix((np.ones(len(rows)), (rows, columns)), shape=(n, n)).tocsr()
+    mean = diags(1.0 / np.maximum(np.asarray(fan.sum(axis=1)).ravel(), 1.0)) @ fan
+    inward = mean @ drawn - drawn
+    share = np.zeros(n)
+    for one, other in coincident(drawn):
+        across = inward[one] - inward[other]
+        size = float(np.linalg.norm(across))
+        for node, sign in ((one, 1.0), (other, -1.0)):
+            far = sign * float(inward[node] @ across) / size if size > 0 else 0.0
+            share[node] = max(share[node], min(0.5 * apart / far, 1.0) if far > 0 else 0.0)
+    return (diags(1.0 - share) + diags(share) @ mean).tocsr()
+
+
 def close_pairs(surface: Any, places: Array, thickness: float, toolkit: Any) -> list[ClosePair]:
     """All pairs of a collision mesh that are closer than `thickness` at positions (n, 3)."""
     candidates = toolkit.Candidates()
@@ -50,21 +83,27 @@ def close_pairs(surface: Any, places: Array, thickness: float, toolkit: Any) -> 
 
 
 def check_gaps(
-    pairs: Sequence[ClosePair], places: Array, edges: NDArray[np.int64], sheet: int, thickness: float, owner: str
+    pairs: Sequence[ClosePair],
+    places: Array,
+    drawn: Array,
+    edges: NDArray[np.int64],
+    sheet: int,
+    thickness: float,
+    owner: str,
 ) -> None:
     """Raise a ModelError where a pair close at rest is neither neighbours along the sheet nor lips of a slit.
 
-    Nodes that coincide count as joined; `sheet` is the number of nodes that are not of obstacles.
+    Nodes that coincide where they are `drawn`, without an imperfection, count as joined; `sheet` is the number of nodes
+    that are not of obstacles.
     """
     from scipy.sparse import coo_matrix
     from scipy.sparse.csgraph import dijkstra
-    from scipy.spatial import cKDTree
 
     own = [pair for pair in pairs if min(node for part in pair.corners for node in part) < sheet]
     if not own:
         return
     size = float(np.linalg.norm(np.ptp(places, axis=0)))
-    twins = cKDTree(places).query_pairs(COINCIDENT * size, output_type="ndarray").astype(np.int64)
+    twins = coincident(drawn)
     links = np.concatenate([edges, twins])
     length = np.linalg.norm(places[links[:, 1]] - places[links[:, 0]], axis=1)
     graph = coo_matrix((np.maximum(length, COINCIDENT * size), links.T), shape=(len(places),) * 2).tocsr()

@@ -9,8 +9,11 @@ the pair and k a pressure (Li et al., Incremental Potential Contact, ACM Trans. 
 thus touch at a distance between t - s and t. Pairs, distances, the barrier and its derivatives, and the share of a step
 after which two parts would meet (continuous collision detection) are those of the library `ipctk`.
 
-Pairs that are closer than t at rest are neighbours along the sheet, or lips of a slit. Each of them is left out until
-it has once been further apart than t in an equilibrium; from then on it is in contact when it meets again.
+Lips of a slit coincide at rest, where no barrier is finite. The surface that is held apart is therefore drawn in at
+them, by a little more than t / 2 on each side: its nodes are fixed mixtures of those of the facets about them, so that
+lips that come back are held when they meet where they were cut. Pairs that are closer than t at rest nevertheless are
+neighbours along the sheet, or at the tip of a slit. Each of them is left out until it has once been further apart than
+t in an equilibrium; from then on it is in contact when it meets again.
 """
 
 from __future__ import annotations
@@ -21,7 +24,7 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from kirigami.effects.lips import check_gaps, close_pairs
+from kirigami.effects.lips import check_gaps, close_pairs, drawn_in
 from kirigami.errors import ModelError
 from kirigami.post.crossing import crossings, toolkit
 from kirigami.primitives.checks import require_instance, require_items, require_positive
@@ -33,6 +36,7 @@ LAYER = 0.25  # layer over the thickness
 OF_EDGES = 0.25  # largest layer over the median edge
 SOFTER = 1e-4  # pressure of the barrier over the stiffness of a node at rest by the thickness, about E
 ITERATIONS = 2000  # most of one continuous detection; then a shorter step is as good an answer
+KERF = 1.05  # distance of the lips of a slit at rest on the surface that is held, over the thickness
 OWNER = "SelfContact"
 
 
@@ -125,20 +129,25 @@ class SelfContact(ModelObject):
             before = len(nodes) + len(fixed)
             edges.append(obstacle.edges + before)
             triangles.append(obstacle.triangles + before)
-            places = np.zeros((len(obstacle.nodes), 3))
-            places[:, : obstacle.nodes.shape[1]] = obstacle.nodes
-            fixed = np.concatenate([fixed, places])
+            fixed = np.concatenate([fixed, in_space(obstacle.nodes)])
+        drawn = in_space(mesh.nodes)
+        inset = drawn_in(drawn, mesh.triangles, KERF * thickness).tocoo()
         kernel = SelfContactKernel(
             numbering.rest, nodes[:, None], np.concatenate(edges), np.concatenate(triangles), fixed,
-            thickness, layer, stiffness,
+            thickness, layer, stiffness, np.column_stack([inset.row, inset.col]), inset.data,
         )  # fmt: skip
-        kernel.check_rest()
+        kernel.check_rest(np.concatenate([drawn, fixed]))
         return [kernel]
 
     def __repr__(self) -> str:
         given = [f"{name}={value}" for name, value in vars(self).items() if value is not None and name != "obstacles"]
         given += [f"{len(self.obstacles)} obstacles"] * bool(self.obstacles)
         return f"SelfContact({', '.join(given)})"
+
+
+def in_space(nodes: Array) -> Array:
+    """Positions (n, 3) of nodes (n, 2) or (n, 3)."""
+    return np.column_stack([nodes, np.zeros((len(nodes), 3 - nodes.shape[1]))])
 
 
 class SelfContactKernel(Kernel):
@@ -156,10 +165,13 @@ class SelfContactKernel(Kernel):
         Nodes of the obstacles.
     thickness, layer, stiffness : float
         See :class:`SelfContact`.
+    mixed, shares : ndarray, shapes (k, 2) and (k,)
+        Nodes of the surface that is held, the nodes they are mixed of, and their shares.
     """
 
     name = "self-contact"
     pairs = ()
+    stores_energy = True
 
     def __init__(
         self,
@@ -171,29 +183,36 @@ class SelfContactKernel(Kernel):
         thickness: float,
         layer: float,
         stiffness: float,
+        mixed: NDArray[np.int64],
+        shares: Array,
     ) -> None:
+        from scipy.sparse import csr_matrix, identity, kron
+
         ipctk = self._ipctk = toolkit(OWNER)
         self.rest, self.conn, self.edges, self.triangles, self.fixed = rest, conn, edges, triangles, fixed
         self.thickness, self.layer, self.stiffness = float(thickness), float(layer), float(stiffness)
+        self.mixed, self.shares = mixed, shares
+        self._mix = csr_matrix((shares, mixed.T), shape=(len(conn), len(conn)))
+        self._mix_axes = kron(self._mix, identity(3)).tocsr()
         self.least = self.thickness - self.layer  # distance that is never reached
         self._surface = ipctk.CollisionMesh(
-            self._places(rest), np.asfortranarray(edges, np.int32), np.asfortranarray(triangles, np.int32)
+            self.held_at(rest), np.asfortranarray(edges, np.int32), np.asfortranarray(triangles, np.int32)
         )
         self._barrier = ipctk.BarrierPotential(self.layer, self.stiffness, True)
         self._detection = ipctk.AdditiveCCD(max_iterations=ITERATIONS)
         self._search = ipctk.LBVH()
         self._reach = 0.5 * self.thickness  # how far a node may move before pairs are searched for again
-        self._lips = close_pairs(self._surface, self._places(rest), self.thickness, ipctk)
+        self._lips = close_pairs(self._surface, self.held_at(rest), self.thickness, ipctk)
         self._apart = np.zeros(len(self._lips))
         self._filter()
 
     def arrays(self) -> dict[str, Any]:
-        names = ("conn", "edges", "triangles", "fixed", "thickness", "layer", "stiffness")
+        names = ("conn", "edges", "triangles", "fixed", "thickness", "layer", "stiffness", "mixed", "shares")
         return {name: getattr(self, name) for name in names}
 
-    def _places(self, x: Array) -> Array:
-        """Positions (n + f, 3) of the nodes of sheet and obstacles, as the library wants them."""
-        own = np.asarray(x, dtype=float)[self.conn[:, 0]]
+    def held_at(self, x: Array) -> Array:
+        """Positions (n + f, 3) of the nodes of the surface that is held, and of obstacles."""
+        own = self._mix @ np.asarray(x, dtype=float)[self.conn[:, 0]]
         return np.asfortranarray(np.concatenate([own, self.fixed]) if len(self.fixed) else own)
 
     # ---- pairs
@@ -228,7 +247,7 @@ class SelfContactKernel(Kernel):
 
     def evaluate(self, x: Array, lam: float = 1.0, need: int = 2) -> Contribution:
         n = len(self.conn)
-        places = self._places(x)
+        places = self.held_at(x)
         if not np.isfinite(places).all():
             return Contribution(np.full(n, np.nan), np.full((n, 1, 3), np.nan))
         pairs = self._touching(places)
@@ -238,10 +257,10 @@ class SelfContactKernel(Kernel):
         if need == 0:
             return Contribution(energy)
         gradient = self._barrier.gradient(pairs, self._surface, places).reshape(-1, 3)[:n]
-        return Contribution(energy, np.ascontiguousarray(gradient)[:, None])
+        return Contribution(energy, np.asarray(self._mix.T @ gradient)[:, None])
 
     def coupling(self, x: Array, tangent: Tangent = EXACT) -> Any:
-        places = self._places(x)
+        places = self.held_at(x)
         pairs = self._touching(places) if np.isfinite(places).all() else ()
         if not len(pairs):
             return None
@@ -255,16 +274,14 @@ class SelfContactKernel(Kernel):
         from scipy.sparse import csc_matrix
 
         assert hessian is not None
-        own = hessian.tocoo()
-        rows = 3 * self.conn[:, 0][:, None] + np.arange(3)
-        rows = np.append(rows.ravel(), np.full(3 * len(self.fixed), -1))
-        row, column = rows[own.row], rows[own.col]
-        kept = (row >= 0) & (column >= 0)
+        moving = 3 * len(self.conn)
+        own = (self._mix_axes.T @ hessian[:moving, :moving] @ self._mix_axes).tocoo()
+        rows = (3 * self.conn[:, :1] + np.arange(3)).ravel()
         size = 3 * len(self.rest)
-        return csc_matrix((own.data[kept], (row[kept], column[kept])), shape=(size, size))
+        return csc_matrix((own.data, (rows[own.row], rows[own.col])), shape=(size, size))
 
     def admissible(self, x: Array, y: Array) -> float:
-        start, end = self._places(x), self._places(y)
+        start, end = self.held_at(x), self.held_at(y)
         if not np.isfinite(end).all():
             return 1.0  # which is told elsewhere
         reach = self._reach / np.sqrt(3.0)
@@ -277,13 +294,15 @@ class SelfContactKernel(Kernel):
         share = candidates.compute_collision_free_stepsize(self._surface, start, end, self.least, self._detection)
         return float(min(share, 1.0))
 
-    def check_rest(self) -> None:
-        """Raise a ModelError where the rest state crosses itself or has a gap less than the thickness."""
-        check_gaps(self._lips, self._places(self.rest), self.edges, len(self.conn), self.thickness, OWNER)
+    def check_rest(self, drawn: Array) -> None:
+        """Raise a ModelError where the rest state crosses itself or has a gap less than the thickness; lips of a slit
+        coincide where the nodes (n + f, 3) are `drawn`."""
+        places = self.held_at(self.rest)
+        check_gaps(self._lips, places, drawn, self.edges, len(self.conn), self.thickness, OWNER)
         self.check_start(self.rest)
 
     def check_start(self, x: Array) -> None:
-        places = self._places(x)
+        places = self.held_at(x)
         found = crossings(places, self.edges, self.triangles)
         if len(found):
             where = ", ".join("(" + ", ".join(f"{value:.4g}" for value in place) + ")" for place in found[:3])
@@ -308,7 +327,7 @@ class SelfContactKernel(Kernel):
         together = np.flatnonzero(self._apart == 0)
         if not len(together):
             return
-        places = self._places(x)
+        places = self.held_at(x)
         moved = [number for number in together if self._lips[number].distance(places) > self.thickness]
         if moved:
             self._apart = self._apart.copy()

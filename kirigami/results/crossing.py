@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 
 from kirigami.post.crossing import INSTALL, can_search, crossings
+from kirigami.primitives.kernel import Array
 from kirigami.results.results import Results
-from kirigami.results.step import Event
+from kirigami.results.step import Event, Step
 
 CHECKED = "crossings_checked"  # in the stats: stored steps that were looked at
 
@@ -40,13 +43,25 @@ def _can_cross(results: Results) -> bool:
     return bool(np.ptp(results.rest[:, 2]) or any(step.u[:, 2].any() for step in results.steps))
 
 
-def _found(results: Results) -> list[Event]:
+def _surface(results: Results) -> Callable[[Step], Array]:
+    """What finds the crossings (k, 3) of a step: of the facets, or of the surface that contact holds apart."""
+    from kirigami.effects.self_contact import SelfContactKernel
+
     mesh = results.mesh
     assert mesh is not None
+    for kernel in results.kernels:
+        if isinstance(kernel, SelfContactKernel):
+            held = kernel
+            return lambda step: crossings(held.held_at(results.rest + step.u), held.edges, held.triangles)
+    return lambda step: crossings(results.rest + step.u, mesh.edges, mesh.triangles)
+
+
+def _found(results: Results) -> list[Event]:
+    surface = _surface(results)
     found: list[Event] = []
     open_since: int | None = None
     for number, step in enumerate(results.steps):
-        places = crossings(results.rest + step.u, mesh.edges, mesh.triangles)
+        places = surface(step)
         if not len(places):
             open_since = None
             continue
@@ -58,7 +73,7 @@ def _found(results: Results) -> list[Event]:
             open_since = number
             first = (
                 f"the sheet passes through itself at {when}, at {len(places)} places, one of them ({where}): the "
-                "shape is wrong there"
+                "shape is wrong there; kg.SelfContact holds it apart"
             )
             found.append(Event("crossing", lam, number, first, (lam, lam)))
         else:

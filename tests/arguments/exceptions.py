@@ -32,7 +32,8 @@ NOT_CALLED: dict[str, str] = {
         Results.append Results.evaluate_at Results.forget_model Results.member_* Results.told Results.object_number
         Results.step_number Results.configuration Results.rows System.joined System.settled System.parted System.c*
         System.displacement System.forces System.imbalance System.l*
-        System.matrix System.motion System.small_displacement System.plan_with System.potential_rate System.re*
+        System.admissible System.multiply System.matrix System.motion System.small_displacement
+        System.plan_with System.potential_rate System.re*
         System.start_stage System.stiffness_blocks System.unknowns System.drive_at System.known*
         System.factored System.straighten Design.derivatives""".split(),
         STEPS,
@@ -83,6 +84,7 @@ FREE_TEXT |= {
 ACCEPTED: dict[tuple[str, str], tuple[str, tuple[str, ...]]] = {
     ("DisplacementControl", "targets"): ("no targets", ("empty list",)),
     ("LoadControl", "targets"): ("no targets", ("empty list",)),
+    ("SelfContact", "obstacles"): ("no obstacles", ("empty list", "empty array", "dict")),
     ("Sheet", "cuts"): ("no cuts", ("empty list",)),
     ("Design", "cuts"): ("no cuts", ("empty list",)),
     ("Sheet", "folds"): ("no folds", ("empty list",)),

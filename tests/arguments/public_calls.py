@@ -552,6 +552,7 @@ CALLS: dict[str, Callable[[], Call]] = {
     "Cylinder": lambda: (kg.Cylinder, {"point": (0, 0, -2), "axis": (0, 1, 0), "radius": 1.0}),
     "Sphere": lambda: (kg.Sphere, {"center": (0, 0, -2), "radius": 1.0}),
     "Contact": lambda: (kg.Contact, {"nodes": nodes(2), "surface": kg.Plane(), "offset": 0.1, "friction": 0.2}),
+    "SelfContact": lambda: (kg.SelfContact, {"thickness": 0.1, "layer": 0.01, "stiffness": 1e3, "obstacles": []}),
     "results.contact.gaps": lambda: (contact("gaps"), {"results": touching()[0], "contact": touching()[1]}),
     "results.contact.normal_forces": lambda: (contact("normal_forces"), {"results": touching()[0]}),
     "results.contact.penetration": lambda: (contact("penetration"), {"results": touching()[0]}),
