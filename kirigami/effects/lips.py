@@ -40,7 +40,8 @@ def coincident(drawn: Array) -> NDArray[np.int64]:
     from scipy.spatial import cKDTree
 
     size = float(np.linalg.norm(np.ptp(drawn, axis=0)))
-    return cKDTree(drawn).query_pairs(COINCIDENT * size, output_type="ndarray").astype(np.int64)
+    pairs = cKDTree(drawn).query_pairs(COINCIDENT * size, output_type="ndarray")
+    return np.asarray(pairs, dtype=np.int64)
 
 
 def drawn_in(drawn: Array, triangles: NDArray[np.int64], apart: float) -> Any:
