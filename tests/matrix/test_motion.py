@@ -60,6 +60,9 @@ EFFECTS: dict[str, Callable[[kg.Model, Change], Any]] = {
     "grip": with_grip,
     "link": with_link,
     "cable": with_cable,
+    "actuated": lambda m, how: m.add(
+        kg.Actuate(strain=(2e-3, 2e-3, 0), curvature=np.array([0.2, 0.2, 0]) / how.length, constant=True)
+    ),
 }
 CASES = [*STRUCTURES, *(f"{rung}, {effect}" for rung in ("plate", "facet", "shell") for effect in EFFECTS)]
 
