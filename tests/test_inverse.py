@@ -159,6 +159,16 @@ def test_the_best_of_several_starts_counts():
     assert some.history != one.history or some.worth == one.worth
 
 
+def test_corrections_go_on_where_evaluations_ran_out():
+    start = design(edge=1.0, stiffness="plate")
+    wanted = 1.2 * forces(start, [1.0])
+    found = kg.Inverse(start, (FORCE, 1.0, wanted), evaluations=1, corrections=1, finer=1.2, tolerance=1e-4).run()
+    assert found.status == "out of evaluations"
+    assert len(found.reached) == 1
+    assert not found.verified
+    assert found.error > 1e-4
+
+
 def test_bad_input():
     with pytest.raises(kg.ModelError, match="a target is"):
         kg.Inverse(design(), [("force", 1.0)])

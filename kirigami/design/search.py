@@ -233,8 +233,11 @@ class Search:
         self.shift = [
             there - here for there, here in zip(fine, np.split(self.best.told, split))
         ]
-        x, self.best = self.best.x, None
-        self.trial(x)
+        before, self.best, self.begun = self.best, None, len(self.history)
+        try:
+            self.trial(before.x)
+        finally:  # errors are counted anew, but an answer there must be
+            self.best = self.best or before
 
     def _answer(
         self, status: str, start: Design, first: Trial, fine: list[Array], error: float
