@@ -1,9 +1,9 @@
 # %% [markdown]
 # # 8. Design: a number asked for, a drawing that gives it
 #
-# So far a drawing was given and a force came out. Here a force is asked for, and the drawing is found: first how the
-# force changes with the sheet, facet by facet, then how long a slit must be, and at the end the drawing is exported,
-# read back and pulled once more, as whoever cuts it would.
+# So far a drawing was given and a force came out. Here a force is asked for, and the drawing is found: first how
+# the force changes with the sheet, facet by facet, then how long a slit must be, and at the end the drawing is
+# exported, read back and pulled once more, as whoever cuts it would.
 
 # %%
 from __future__ import annotations
@@ -54,9 +54,9 @@ print(design, f"bears {force:.0f} N")
 # %% [markdown]
 # ## Gradients
 #
-# `results.gradient` tells how the force changes with the length, and with the thickness of every facet, for the price
-# of one factorisation. Drawn on the sheet it says where more material would help most. Forces held by displacements are in
-# proportion to E, whatever the sheet does, which is a check on the last digits.
+# `results.gradient` tells how the force changes with the length, and with the thickness of every facet, for the
+# price of one factorisation. Drawn on the sheet it says where more material would help most. Forces held by
+# displacements are in proportion to E, whatever the sheet does, which is a check on the last digits.
 
 # %%
 pull = ("force", "driven_0", "y")
@@ -68,9 +68,9 @@ by_modulus = res.gradient(pull, ("E", None)) * FILM.E
 # %% [markdown]
 # ## The length for a force
 #
-# Wanted is a tenth more. `kg.Inverse` follows the gradient from design to design; each goes on from the equilibrium of
-# the last one, and is walked from flat where its branch ends. With `corrections=None` nothing is walked on a finer mesh;
-# left out, the answer is corrected by one and says whether it is `verified` there.
+# Wanted is a tenth more. `kg.Inverse` follows the gradient from design to design; each goes on from the equilibrium
+# of the last one, and is walked from flat where its branch ends. With `corrections=None` nothing is walked on a
+# finer mesh; left out, the answer is corrected by one and says whether it is `verified` there.
 
 # %%
 found = kg.Inverse(design, (pull, 1.0, 1.1 * force), corrections=None).run()
@@ -79,8 +79,8 @@ print(found.summary())
 # %% [markdown]
 # ## Out to the cutter, and back
 #
-# The drawing is all that leaves the house. Read back, meshed anew and pulled from flat it bears what was asked for, but
-# for what the mesh weighs: a few percent here, with so few facets. That is what corrections are for.
+# The drawing is all that leaves the house. Read back, meshed anew and pulled from flat it bears what was asked for,
+# but for what the mesh weighs: a few percent here, with so few facets. That is what corrections are for.
 
 # %%
 with tempfile.TemporaryDirectory() as folder:
