@@ -129,12 +129,18 @@ class ShellFacet(ModelObject):
         sections = section_matrices(objects, numbering.rest[edges.triangles])
         density = np.array([(f.material.density or np.nan) * f.thickness for f in objects])
         planes = plane_normals(mirror_planes(numbering), edges.ends, edges.edge)
+        yields = any(getattr(facet.material, "yields", False) for facet in objects)
         if any(facet.material.hyperelastic for facet in objects):
+            if yields:
+                raise ModelError(
+                    "a sheet of shell facets cannot be rubber in one place and yield in another: give the material "
+                    "with a yield_stress hardening=None, and results tell where it is passed"
+                )
             from kirigami.elements.shell_rubber import RubberShellKernel, rubber_moduli
 
             arrays = numbering.rest, conn, sections, edges.forward, density
             return [RubberShellKernel(*arrays, None, planes, rubber=rubber_moduli(objects))]
-        if any(getattr(facet.material, "yields", False) for facet in objects):
+        if yields:
             from kirigami.elements.shell_yield import YieldingShellKernel, yield_constants
 
             arrays = numbering.rest, conn, sections, edges.forward, density

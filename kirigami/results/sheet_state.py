@@ -100,7 +100,7 @@ class StateReader:
     def layers(self, step: Step, elastic: Array) -> Array:
         """Stress (3, m, 2, 2) at the lower face, in the middle and at the upper face: that of an `elastic` sheet, but
         in facets that have yielded that of their outermost layers and of those beside the middle."""
-        found = elastic.copy()
+        found: Array = elastic.copy()
         for kernel in self.surfaces:
             if isinstance(kernel, YieldingShellKernel):
                 flown, stress = self.results.evaluate_at(kernel, step, lambda x: kernel.layer_stress(x, step.lam))  # noqa: B023
