@@ -138,6 +138,25 @@ def test_files_and_checkpoints_carry_contact(tmp_path):
     assert np.array_equal(resumed.lam, whole.lam) and np.array_equal(resumed.u, whole.u)
 
 
+def test_contact_is_the_same_in_other_units_and_turned():
+    def pressed(length: float, turn: np.ndarray) -> np.ndarray:
+        mesh = stacked(0.03, 3)
+        nodes = length * mesh.nodes @ turn.T
+        material = kg.Material(PET.E / length**2, 0.0)
+        m = kg.Model.from_mesh(kg.TriMesh(nodes, mesh.triangles), thickness=0.02 * length, material=material)
+        down = -0.012 * length * turn[:, 2]
+        m.add(kg.Fix(m.nodes[:16]), kg.Prescribe(m.nodes[16:], x=down[0], y=down[1], z=down[2]), kg.SelfContact())
+        m.perturb(np.where(np.arange(41)[:, None] < 16, 0.0, 1e-4 * length * turn[:, 2]))
+        return kg.LoadControl(m).run().force("self-contact")[-1] @ turn
+
+    here = pressed(1.0, np.eye(3))
+    turn = np.linalg.qr(np.random.default_rng(5).normal(size=(3, 3)))[0]
+    turn *= np.linalg.det(turn)
+    assert np.abs(here).max() > 0
+    for length, turned in ((1e3, np.eye(3)), (1.0, turn)):
+        assert np.abs(pressed(length, turned) - here).max() < 1e-6 * np.abs(here).max()
+
+
 def test_every_path_method_stops_at_contact_and_finds_the_same_force():
     """Weights on a free sheet lie on the one below: load, arc length and descents end in one equilibrium."""
     found = []

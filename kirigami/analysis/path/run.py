@@ -199,6 +199,8 @@ class PathRun(Run):
         )
 
     def _hint(self, attempt: Attempt) -> str:
+        if attempt.reason == BLOCKED:
+            return "what is held or driven meets other parts of the sheet: drive it less far, or free what must give"
         negative = self.results.steps[-1].negative if self.results.steps else 0
         if negative:
             return (
