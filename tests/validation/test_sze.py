@@ -37,7 +37,7 @@ ROOF = np.array([[0.0877, 0.693], [0.1980, 1.638], [0.3473, 3.087], [0.4686, 4.4
 FLAT = "flat facets of constant strain need finer meshes where the shell snaps"
 SOFTER = (
     "from load factor 0.175 on the load is 5 to 6 % below the table on 4,459 corner nodes too, and within 1 % of this: "
-    "two meshes agree, the table does not, whose mesh of 40 x 40 has three or four elements across the fold"
+    "two meshes of the shell agree and the table does not; why is not known"
 )
 HINGES = "hinges resist twisting up to twice as much as the sheet does"
 
