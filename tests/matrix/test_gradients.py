@@ -283,3 +283,14 @@ def test_yield_has_no_gradient():
     res = kg.DisplacementControl(m).run()
     with pytest.raises(kg.ModelError, match="depends on the way"):
         res.gradient(("energy",), "positions")
+
+
+def test_self_contact_has_no_gradient():
+    pytest.importorskip("ipctk")
+    m = results("plate").model
+    alone = kg.Model.from_mesh(m.mesh, 0.05, kg.Material(E=1e6, nu=0.3), "plate")
+    alone.add(kg.Fix(alone.select(boundary="bottom")), kg.Prescribe(alone.select(boundary="top"), x=0, y=0.01, z=0))
+    alone.add(kg.SelfContact())
+    res = kg.DisplacementControl(alone).run()
+    with pytest.raises(kg.ModelError, match="far apart"):
+        res.gradient(("energy",), "thickness")

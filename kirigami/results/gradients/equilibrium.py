@@ -200,6 +200,11 @@ def refuse_history(system: System, owner: str) -> None:
                 f"{owner}: what {kernel.name!r} bears depends on the way it was reached, so an end state has no "
                 "gradient: take it out of the model, or compare runs"
             )
+        if type(kernel).coupling is not Kernel.coupling:
+            raise ModelError(
+                f"{owner}: {kernel.name!r} joins parts of the sheet that lie far apart, which gradients do not know: "
+                "take it out of the model, or compare runs"
+            )
     if not system.conservative:
         raise ModelError(
             f"{owner}: a force of the model has no potential, so its tangent is not the derivative of its forces: "
