@@ -1,7 +1,8 @@
 """A ribbon with a flat force plateau: the lengths of its slits are found so that it bears 2 N, pulled little or far.
 
-Three rows of slits over a strip, one length for each. Wanted is the same force, within a tenth, at a half, three
-quarters and the whole of the pull. The answer is walked once more from flat on a finer mesh, and written for the cutter.
+Five rows of slits over a strip, with one length for those in the middle and one for those from the sides. Wanted is
+the same force, within a tenth, at a half, three quarters and the whole of the pull. The answer is walked once more from
+flat on a finer mesh, and written for the cutter.
 
 Run it with ``python examples/flat_force_ribbon.py [folder]``; it takes a minute or two.
 """
@@ -55,7 +56,10 @@ def main(folder: Path) -> kg.InverseResult:
     res = start.walk(AT)
     before = np.array([res.reaction("driven_0", "y")[int(np.argmin(abs(res.lam - lam)))] for lam in AT])
     print("forces of the start [N]:", before.round(3))
-    found = kg.Inverse(start, (FORCE, AT, PLATEAU), evaluations=15, tolerance=0.1, path=folder / "ribbon.json").run(progress=True)
+    problem = kg.Inverse(
+        start, (FORCE, AT, PLATEAU), evaluations=15, tolerance=0.1, path=folder / "ribbon.json"
+    )  # fmt: skip
+    found = problem.run(progress=True)
     print(found.summary())
     found.plot().savefig(folder / "ribbon.png", dpi=120)
     found.design.sheet().to_svg(folder / "ribbon.svg")
