@@ -155,6 +155,8 @@ class Material(SheetMaterial):
             raise ModelError(f"Material: nu must lie between -1 and 0.5, got {nu}")
         object.__setattr__(self, "nu", nu)
         _check_density(self, "Material")
+        if self.expansion is not None:
+            object.__setattr__(self, "expansion", require_finite(self.expansion, "expansion", "Material"))
         if self.hardening is not None:
             object.__setattr__(self, "hardening", checked_table(self.hardening, "Material"))
         object.__setattr__(self, "kinematic", require_not_negative(self.kinematic, "kinematic", "Material"))
@@ -182,8 +184,6 @@ class Material(SheetMaterial):
         if self.yield_stress is None or self.hardening is None:
             return None
         return checked_curve(self.yield_stress, self.hardening, self.kinematic, "Material", "yield_stress")
-        if self.expansion is not None:
-            object.__setattr__(self, "expansion", require_finite(self.expansion, "expansion", "Material"))
 
     def free_strain(self, height: float = 0.0) -> Array:
         return float(_known_expansion(self)) * np.array([1.0, 1.0, 0.0])
