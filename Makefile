@@ -7,7 +7,7 @@ THREADS = OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1
 
 .PHONY: demo gallery test validate random-sheets external notebooks docs lint clean
 
-demo: $(VENV)/installed
+demo: $(VENV)/ready
 	$(BIN)/kirigami demo --folder demo
 
 # Every example in its reduced form, with its pictures: well under an hour on two cores.
@@ -42,8 +42,13 @@ lint: $(VENV)/installed
 	$(BIN)/ruff check kirigami tests examples benchmarks tutorials tools
 	$(BIN)/mypy kirigami
 
-$(VENV)/installed: setup.cfg pyproject.toml
+# What the demonstration needs; tests and tools need far more, which takes longer to fetch than the demonstration to run.
+$(VENV)/ready: setup.cfg pyproject.toml
 	$(PYTHON) -m venv $(VENV)
+	$(BIN)/python -m pip install --quiet -e ".[io,viz]"
+	touch $@
+
+$(VENV)/installed: $(VENV)/ready
 	$(BIN)/python -m pip install --quiet --upgrade pip
 	$(BIN)/python -m pip install --quiet -e ".[dev]"
 	touch $@

@@ -152,6 +152,10 @@ class Report:
         n, drive, lam = self.numbers, self.drive, self.results.lam
         takes, unit = drive.answer, drive.unit
         reached = drive.says(lam[-1], si=True)
+
+        def amount(value: float) -> str:
+            return units.show(float(f"{value:.4g}"), "length") if takes == "sag" else f"{value:.4g} {unit}"
+
         peak = drive.says(lam[int(np.abs(self.force).argmax())], si=True)
         way = f"{drive.motion} {reached}" if drive.motion != "lift" else f"{drive.name} by {reached}"
         if "displacement" in n:
@@ -169,8 +173,8 @@ class Report:
         lines = [
             f"nodes {n['nodes']}, facets {n['facets']}, cuts {n['cuts']}",
             way,
-            f"largest {takes} {n[f'largest_{takes}']:.4g} {unit} at {drive.motion} {peak}, "
-            f"last {n[f'last_{takes}']:.4g} {unit}",
+            f"largest {takes} {amount(n[f'largest_{takes}'])} at {drive.motion} {peak}, "
+            f"last {amount(n[f'last_{takes}'])}",
             *(self._further(other) for other in self.results.drives[1:]),
             material,
             f"height {units.show(n['height'], 'length')}, open area {n['open_area']:.4g} m2",
