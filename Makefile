@@ -45,7 +45,7 @@ lint: $(VENV)/installed
 # What the demonstration needs; tests and tools need far more, which takes longer to fetch than the demonstration to run.
 $(VENV)/ready: setup.cfg pyproject.toml
 	$(PYTHON) -m venv $(VENV)
-	$(BIN)/python -m pip install --quiet -e ".[io,viz]"
+	$(BIN)/python -m pip install --quiet -e ".[fast,io,viz]"
 	touch $@
 
 $(VENV)/installed: $(VENV)/ready
