@@ -92,6 +92,7 @@ ADDED: list[tuple[str, str, Adds]] = [
     ("Actuate", "a curvature", lambda m: kg.Actuate(curvature=(0.5, 0, 0))),
     ("Contact", "", lambda m: on_floor(m, 0.0)),
     ("Contact", "with friction", lambda m: on_floor(m, 0.3)),
+    ("SelfContact", "", lambda m: kg.SelfContact()),
     ("AngleLimit", "", lambda m: kg.AngleLimit(left(m)[0], inner(m)[0], right(m)[0], 1.0, minimum=0.1)),
     ("Spring", "", lambda m: kg.Spring(m.nodes, 1.0)),
     ("Mass", "", lambda m: kg.Mass(m.nodes, 0.1)),
@@ -131,8 +132,8 @@ BEYOND = """\
 * **Cracks.** Cuts do not grow and nothing tears. {py:class}`kirigami.Results` gives stresses to judge by.
 * **Thick sheets.** Sheets do not shear across their thickness, nor do they get thinner: a cut's ligament is to be
   several thicknesses wide.
-* **A sheet that touches itself.** Nodes touch rigid planes, cylinders and spheres. Facets pass through each other,
-  which an event "crossing" tells; panels in a plane are kept apart by {py:class}`kirigami.AngleLimit`.
+* **Contact by itself.** Without {py:class}`kirigami.SelfContact` facets pass through each other, which an event
+  "crossing" tells, and without {py:class}`kirigami.Contact` there is no floor.
 * **Creep and relaxation.** Stress does not fade with time; motions are damped by Rayleigh's two numbers.
 * **Heat that flows, fluids that flow.** Temperatures are given. The pressure of a flow is a formula of the slope of
   each facet: no wake, no lee, no waves; {py:class}`kirigami.FlowPressure` says which.
