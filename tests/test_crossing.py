@@ -78,7 +78,7 @@ def test_where_nobody_can_look_it_is_said(monkeypatch):
     m = held(mesh)
     results = Results(kg.System(m))
     results.append(replace(kg.Step.at(m, 0.0, rolled(mesh, 0.5)), residual=0.0))
-    monkeypatch.setattr("kirigami.results.crossing.can_search", lambda: False)
+    monkeypatch.setattr("kirigami.post.crossing.can_search", lambda: False)
     note_crossings(results)
     assert "not checked" in results.summary() and "kirigami[contact]" in results.summary()
     monkeypatch.setattr(crossing, "can_search", lambda: False)

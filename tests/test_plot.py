@@ -431,7 +431,7 @@ def test_an_animation_that_fails_leaves_the_old_file(lifted: kg.Results, tmp_pat
         ({"step": 99}, "step 99 is not stored"),
         ({"step": -99}, "step -99 is not stored"),
         ({"step": 0.5}, "step must be a whole number"),
-        ({"color": "hight"}, "height, displacement, energy, stress, none"),
+        ({"color": "hight"}, "height, displacement, energy, stress, plastic strain, none"),
         ({"color": "force"}, "'force' is unknown"),
         ({"color": np.ones(3)}, "8 nodes or 8 facets"),
         ({"color": np.full(8, np.nan)}, "finite"),

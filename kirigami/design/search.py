@@ -150,8 +150,8 @@ class Search:
         self.history.append({"values": values, "error": error, "why": why})
         if self.path is not None:
             text = json.dumps({"names": list(values), "history": self.history})
-            with whole_file(self.path) as file:
-                file.write_text(text)
+            with whole_file(self.path) as unfinished:
+                unfinished.write_text(text)
         if callable(self.progress):
             self.progress(len(self.history), values, error)
         elif self.progress:

@@ -232,6 +232,10 @@ class CurvedFacetKernel(Kernel):
         strain = (chord + self._hidden(slopes)[0] - self._rest_hidden) / self._square
         return edges, normals, stretch, strain, slopes
 
+    def natural_deformation(self, lam: float) -> Array | None:
+        """None: these facets were never actuated."""
+        return None
+
     def deformation(self, x: Array) -> Array:
         """Mean strain and curvature (n, 6) of each facet, as :class:`ShellFacetKernel` has them."""
         state = self._state(x)

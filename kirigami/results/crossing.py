@@ -6,7 +6,6 @@ from collections.abc import Callable
 
 import numpy as np
 
-from kirigami.post.crossing import INSTALL, can_search, crossings
 from kirigami.primitives.kernel import Array
 from kirigami.results.results import Results
 from kirigami.results.step import Event, Step
@@ -20,7 +19,11 @@ def note_crossings(results: Results) -> None:
     The surface is that of the corners of the facets. Nothing happens without a mesh, in the plane, after a linear
     analysis, or where `ipctk` is not installed.
     """
-    if results.stats.get(CHECKED) == len(results.steps) or not _can_cross(results) or not can_search():
+    if results.stats.get(CHECKED) == len(results.steps) or not _can_cross(results):
+        return
+    from kirigami.post.crossing import can_search  # in the plane nothing of this is read
+
+    if not can_search():
         return
     results.events[:] = [event for event in results.events if event.kind != "crossing"]
     results.events.extend(_found(results))
@@ -31,6 +34,8 @@ def words_on_crossings(results: Results) -> list[str]:
     """What must be said of crossings beside the events: that nobody looked, or what is found now that somebody does."""
     if results.stats.get(CHECKED) == len(results.steps) or not _can_cross(results):
         return []
+    from kirigami.post.crossing import INSTALL, can_search
+
     if not can_search():
         return [f"not checked whether the sheet passes through itself: {INSTALL}"]
     return [event.message for event in _found(results)]
@@ -46,6 +51,7 @@ def _can_cross(results: Results) -> bool:
 def _surface(results: Results) -> Callable[[Step], Array]:
     """What finds the crossings (k, 3) of a step: of the facets, or of the surface that contact holds apart."""
     from kirigami.effects.self_contact import SelfContactKernel
+    from kirigami.post.crossing import crossings
 
     mesh = results.mesh
     assert mesh is not None

@@ -10,7 +10,7 @@ of a sheet that has buckled, where stretching and bending tear alike.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -19,6 +19,7 @@ from kirigami.elements.shell_kernel import ShellFacetKernel
 from kirigami.errors import AnalysisError, ModelError
 from kirigami.primitives.checks import require_whole
 from kirigami.primitives.kernel import Array, Configuration, Kernel, hessian_product
+from kirigami.primitives.material import strain_turn
 from kirigami.results.results import Results
 
 if TYPE_CHECKING:
@@ -137,21 +138,39 @@ def energy_release(results: Results, cut: int = 0) -> Array:
             rest = results.configuration()[:, : results.dim].copy()
             rest[: len(moved), :2] += sign * share * moved[:, None] * tip.direction
             for kernel in kernels:
-                twin = type(kernel)(rest, **kernel.arrays())
+                twin = type(kernel)(rest, **_in_moved_axes(kernel, rest))
                 energies = [_energy(results, kernel, twin, number) for number in range(len(results))]
                 released[:, column] -= sign * np.array(energies) / (2 * share * thickness)
     return released
 
 
+def _in_moved_axes(kernel: FacetKernel | ShellFacetKernel, rest: Array) -> dict[str, Any]:
+    """What a kernel is made of, for a rest state with other first edges of its facets: along these lie the axes of
+    sections and of strains without stress, and the grain does not turn with them."""
+    made = kernel.arrays()
+    if not isinstance(kernel, ShellFacetKernel):
+        return made  # isotropic
+    first, second = kernel.conn[:, 0], kernel.conn[:, 1]
+    (x0, y0), (x1, y1) = ((at[second] - at[first])[:, :2].T for at in (kernel.rest, rest))
+    turn = np.zeros((len(first), 6, 6))
+    turn[:, :3, :3] = turn[:, 3:, 3:] = strain_turn(-np.arctan2(x0 * y1 - y0 * x1, x0 * x1 + y0 * y1))
+    made["section"] = turn.transpose(0, 2, 1) @ made["section"] @ turn
+    if made.get("natural") is not None:
+        made["natural"] = np.einsum("nab,knb->kna", np.linalg.inv(turn), made["natural"])
+    return made
+
+
 def _moved(mesh: TriMesh, tip: Tip) -> tuple[Array, float]:
-    """How far each node (n,) moves with the tip, and the distance from which on none does."""
+    """How far each node (n,) moves with the tip, and the distance from which on none does: other tips do not."""
     place = mesh.nodes[:, :2] - tip.place
     distance = np.linalg.norm(place, axis=1)
     rim = np.unique(mesh.edges[mesh.boundary_edges])
     back = -place[rim] @ tip.direction
     aside = np.linalg.norm(place[rim] + back[:, None] * tip.direction, axis=1)
     behind = (back > 0) & (aside <= STRAIGHT * back) | (rim == tip.node)
-    reach = REACH * float(distance[rim[~behind]].min(initial=float(mesh.size)))
+    others = [other.node for cut in range(len(mesh.cuts)) for other in tips(mesh, cut) if other.node != tip.node]
+    fixed = np.concatenate([rim[~behind], np.array(others, np.int64)])
+    reach = REACH * float(distance[fixed].min(initial=float(mesh.size)))
     weight: Array = np.clip(2 * (1 - distance / reach), 0.0, 1.0)
     return weight, reach
 

@@ -162,7 +162,7 @@ def facet_plastic_strain(results: Results, step: int | None = None) -> Array:
     --------
     >>> import kirigami as kg
     >>> mesh = kg.TriMesh([(0, 0), (1, 0), (1, 1), (0, 1)], [(0, 1, 2), (0, 2, 3)])
-    >>> soft = kg.Material(E=1e9, yield_stress=1e6)
+    >>> soft = kg.Material(E=1e9, yield_stress=1e6, hardening=1e7)
     >>> m = kg.Model.from_mesh(mesh, thickness=0.01, material=soft, stiffness="shell")
     >>> left, right = m.select(boundary="left"), m.select(boundary="right")
     >>> held = m.add(kg.Fix(m.nodes, "z"), kg.Fix(left, "x"), kg.Fix(left[0], "y"), kg.Prescribe(right, x=0.01))

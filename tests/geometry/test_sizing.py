@@ -139,6 +139,7 @@ def test_a_tip_before_a_rim_is_a_ligament_of_their_distance(angle):
     assert np.abs(widths - 0.2).min() < 1e-6
 
 
+@pytest.mark.long
 def test_the_limit_of_quadratic_elements_is_met():
     """Limits of benchmarks/default_mesh.py: quadratic elements of scikit-fem on ever finer meshes, extrapolated.
 

@@ -89,6 +89,7 @@ def test_page_stands_alone_and_escapes_its_title(strip: kg.Results, tmp_path: Pa
     assert head["shown"] == [0, len(strip) - 1] and head["title"] == "</script><b>&"
 
 
+@pytest.mark.long
 def test_page_of_a_large_result_stays_below_ten_megabytes(tmp_path: Path) -> None:
     """10,000 nodes and 50 steps, with noise in all displacements, which hardly packs."""
     side = 100

@@ -38,6 +38,33 @@ def test_centre_crack_in_other_units() -> None:
     np.testing.assert_allclose(there, here / 1e3, rtol=1e-5)  # force over length
 
 
+@pytest.mark.parametrize("half", [0.06, 0.09])
+def test_a_slit_that_is_short_beside_its_distance_to_the_rim(half: float) -> None:
+    """The other tip stays where it is, however near."""
+    res, top = cracked(half, 800)
+    stress = res.reaction(top, "y")[-1] / THICKNESS
+    exact = stress**2 * np.pi * half / np.cos(np.pi * half) / 1e6
+    np.testing.assert_allclose(res.energy_release(0)[-1], [exact, exact], rtol=0.02)
+
+
+@pytest.mark.parametrize("angle", [0.0, np.pi / 2])
+def test_a_slit_along_and_across_the_grain(angle: float) -> None:
+    """G = K^2 sqrt(a11 a22 / 2) sqrt(sqrt(a22 / a11) + (2 a12 + a66) / (2 a11)) (Sih, Paris and Irwin, 1965)."""
+    E1, E2, nu12, G12, half, stress = 4e9, 2e9, 0.3, 1e9, 0.01, 1e6
+    sheet = kg.Sheet(shapely.box(0, 0, 0.2, 0.4), [[(0.1 - half, 0.2), (0.1 + half, 0.2)]], 1e-3,
+                     kg.Orthotropic(E1, E2, nu12, G12, angle))  # fmt: skip
+    m = kg.Model.from_mesh(sheet.mesh(nodes=1000), stiffness="shell")
+    pull = np.array([0, stress * 1e-3, 0])
+    m.add(kg.EdgeLoad(m.select(boundary="top"), pull), kg.EdgeLoad(m.select(boundary="bottom"), -pull))
+    first, second = min(m.nodes, key=lambda n: n.x + n.y), min(m.nodes, key=lambda n: n.y - n.x)
+    m.add(kg.Fix(m.nodes, "z"), kg.Fix(first, "xy"), kg.Fix(second, "y"))
+    along, across, poisson = (E1, E2, nu12) if angle == 0 else (E2, E1, nu12 * E2 / E1)
+    a11, a22, a12, a66 = 1 / along, 1 / across, -poisson / along, 1 / G12
+    exact = stress**2 * np.pi * half / np.cos(np.pi * half / 0.2) * np.sqrt(a11 * a22 / 2)
+    exact *= np.sqrt(np.sqrt(a22 / a11) + (2 * a12 + a66) / (2 * a11))
+    np.testing.assert_allclose(kg.LinearStatic(m).run().energy_release(0)[-1], [exact, exact], rtol=0.01)
+
+
 @pytest.mark.parametrize("length", [4.0, 6.0])
 def test_double_cantilever_beam(length: float) -> None:
     """K = (F a / (t h^1.5)) (3.46 + 2.38 h / a), two arms of height h that bend (Gross and Srawley, 1966)."""

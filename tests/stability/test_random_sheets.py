@@ -27,6 +27,7 @@ def sheets():
     return random_sheets
 
 
+@pytest.mark.long
 def test_fifty_sheets(sheets, tmp_path):
     """No crash, no hang, no wrong step; severed sheets refused; at least 95 % of the others reach the end."""
     rows = sheets.survey(list(range(50)), tmp_path / "table.csv", workers=1, small=True, limit=60.0, seconds=np.inf)
