@@ -98,6 +98,7 @@ def test_the_lips_of_a_cut_part():
     assert np.ptp(moved[middle, 2]) > 0.01
 
 
+@pytest.mark.long
 def test_the_same_in_metres_and_millimetres():
     metres = held(SLIT_SHEET, nodes=5000)
     larger = [affinity.scale(shape, 1000, 1000, origin=(0, 0)) for shape in (SLIT_SHEET.outline, *SLIT_SHEET.cuts)]

@@ -73,6 +73,7 @@ def test_the_budget_is_kept_and_told(name, nodes):
     assert f"{mesh.sizing.facets_across:g} facets across" in str(mesh.sizing)
 
 
+@pytest.mark.long
 def test_more_nodes_put_more_facets_across():
     across = [SPIRAL.mesh(nodes=nodes).sizing.facets_across for nodes in (2500, 10000)]
     assert across[1] > 1.6 * across[0]  # twice as many, but for the whole numbers of rows
@@ -91,6 +92,7 @@ def test_the_shortest_edges_are_at_the_tips_and_lengths_grow_smoothly():
     assert np.exp(np.median(ratio)) < 1.5
 
 
+@pytest.mark.long
 def test_the_same_mesh_in_another_unit():
     metres = FIFTY_TWO.mesh(nodes=5000)
     larger = [affinity.scale(shape, 1000, 1000, origin=(0, 0)) for shape in (FIFTY_TWO.outline, *FIFTY_TWO.cuts)]
@@ -100,6 +102,7 @@ def test_the_same_mesh_in_another_unit():
     assert millimetres.sizing.width / 1000 == pytest.approx(metres.sizing.width)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("angle", [17.0, 90.0])
 def test_turned_sheets_get_as_good_a_mesh(angle):
     turned = [affinity.rotate(shape, angle, origin=(0, 0)) for shape in (BAND.outline, *BAND.cuts)]

@@ -100,6 +100,7 @@ def cells() -> list[Any]:
     return found
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("case, change", cells())
 def test_another_statement_of_the_problem_moves_alike(case: str, change: str) -> None:
     how, one, other = CHANGES[change], motion(case), motion(case, change)
