@@ -244,13 +244,16 @@ def test_every_analysis_has_a_row() -> None:
 
 @pytest.mark.parametrize(
     "structure, analysis, change",
-    [
-        (structure, analysis, change)
-        for analysis, (*_, served) in ANALYSES.items()
-        for structure in STRUCTURES
-        if structure in served
-        for change in CHANGES
-        if applies(structure, change)
+    [  # every other one in the default suite, for its time, and all of them in the long one
+        pytest.param(*cell, marks=[pytest.mark.long] if number % 2 else [])
+        for number, cell in enumerate(
+            (structure, analysis, change)
+            for analysis, (*_, served) in ANALYSES.items()
+            for structure in STRUCTURES
+            if structure in served
+            for change in CHANGES
+            if applies(structure, change)
+        )
     ],
 )
 def test_an_analysis_does_not_see_how_the_problem_is_stated(structure: str, analysis: str, change: str) -> None:
