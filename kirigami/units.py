@@ -111,22 +111,22 @@ def show(value: float, kind: str) -> str:
     ----------
     value : float
         In SI units.
-    kind : {"length", "stress", "force", "torque", "density", "ratio"}
-        What it is.
+    kind : {"length", "area", "stress", "force", "torque", "energy", "energy per area", "density", "ratio"}
+        What it is; areas to four digits.
 
     Examples
     --------
     >>> show(1e-4, "length"), show(3.5e9, "stress"), show(0.2, "ratio")
     ('0.1 mm', '3.5 GPa', '20 %')
     """
-    require_choice(kind, UNITS, "kind", "units.show")
+    require_choice(kind, {**UNITS, **STEPS}, "kind", "units.show")
     value = require_finite(value, "value", "units.show")
     if kind == "ratio":
         return f"{100 * value:.6g} %"
     if kind == "density":
         return f"{value:.6g} kg/m3"
     unit, factor = unit_for(value, kind)
-    return f"{value / factor:.6g} {unit}"
+    return f"{value / factor:.{4 if kind == 'area' else 6}g} {unit}"
 
 
 def unit_for(value: float, kind: str) -> tuple[str, float]:

@@ -80,7 +80,7 @@ def test_where_nobody_can_look_it_is_said(monkeypatch):
     results.append(replace(kg.Step.at(m, 0.0, rolled(mesh, 0.5)), residual=0.0))
     monkeypatch.setattr("kirigami.post.crossing.can_search", lambda: False)
     note_crossings(results)
-    assert "not checked" in results.summary() and "kirigami[contact]" in results.summary()
+    assert "not checked" in results.summary() and "kirigami-mechanics[contact]" in results.summary()
     monkeypatch.setattr(crossing, "can_search", lambda: False)
     with pytest.raises(kg.errors.AnalysisError, match="pip install"):
         crossings(results.rest, mesh.edges, mesh.triangles)

@@ -34,7 +34,7 @@ def chosen_method(method: str, design: Design, targets: Sequence[Target], bounds
     if method == "least squares" and not plain:
         raise ModelError("Inverse: least squares knows no constraints and no 'max' or 'min': take 'slsqp' or 'mma'")
     if method == "mma" and not installed:
-        raise ModelError("Inverse: method='mma' needs NLopt: pip install kirigami-mechanics[design]")
+        raise ModelError("Inverse: method='mma' needs NLopt: pip install 'kirigami-mechanics[design]'")
     return method
 
 

@@ -60,7 +60,7 @@ class SelfContact(ModelObject):
     Raises
     ------
     AnalysisError
-        When a system is made: `ipctk` is not installed (``pip install 'kirigami[contact]'``).
+        When a system is made: `ipctk` is not installed (``pip install 'kirigami-mechanics[contact]'``).
     ModelError
         A value out of range; when a system is made: a model without a mesh or with dim=2, a rest state that crosses
         itself, a thickness larger than a gap at rest.

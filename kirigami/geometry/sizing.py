@@ -81,7 +81,7 @@ class Sizing:
 
     def __str__(self) -> str:
         size = (
-            f"{self.nodes} nodes of {self.budget} allowed, edges {self.shortest:.3g} to {self.longest:.3g} long in the "
+            f"{self.nodes} nodes, {self.budget} asked for, edges {self.shortest:.3g} to {self.longest:.3g} long in the "
             "unit of the sheet"
         )
         if not self.ligaments:

@@ -188,7 +188,7 @@ def plot_open_area(
     'open area'
     """
     across, across_label = _abscissa(results, x, "plot_open_area")
-    each = results.open_area()
+    each, together = results.open_area(), results.open_area(union=True)
     if not each.shape[1]:
         raise ModelError("plot_open_area: the mesh has no cuts")
     ax = style.new_axes((4.4, 3.2)) if ax is None else ax
@@ -199,11 +199,11 @@ def plot_open_area(
         if label is None:
             thin[0].set_label("each cut")
     name = label if label is not None else "all cuts" if several else None
-    ax.plot(across, results.open_area(union=True), color=color, linewidth=1.5, marker="o", markersize=2.6, label=name)
+    ax.plot(across, together, color=color, linewidth=1.5, marker="o", markersize=2.6, label=name)
     ax.set_xlabel(across_label)
     ax.set_ylabel("open area")
     if results.units:
-        unit, factor = unit_for(float(each.max(initial=0.0)), "area")
+        unit, factor = unit_for(float(together.max()), "area")
         ax.yaxis.set_major_formatter(style.in_units_of(factor))
         ax.set_ylabel(f"open area [{style.raised(unit)}]")
     ax.set_ylim(bottom=min(0.0, float(each.min())))

@@ -18,7 +18,7 @@ from kirigami.primitives.checks import require_array
 from kirigami.primitives.kernel import Array
 
 PIERCED = 1e-3  # share of a facet by which an edge must pierce it
-INSTALL = "pip install 'kirigami[contact]'"
+INSTALL = "pip install 'kirigami-mechanics[contact]'"
 
 
 def can_search() -> bool:

@@ -177,7 +177,7 @@ class Report:
             f"last {amount(n[f'last_{takes}'])}",
             *(self._further(other) for other in self.results.drives[1:]),
             material,
-            f"height {units.show(n['height'], 'length')}, open area {n['open_area']:.4g} m2",
+            f"height {units.show(n['height'], 'length')}, open area {units.show(n['open_area'], 'area')}",
             *([str(self.measured)] if self.measured is not None else []),
             *self.worth,
             (
