@@ -13,6 +13,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from kirigami.elements.facet import FacetKernel
 from kirigami.elements.shell_kernel import ShellFacetKernel
@@ -25,6 +26,7 @@ from kirigami.results.results import Results
 if TYPE_CHECKING:
     from kirigami.geometry.mesh import TriMesh
 
+Index = NDArray[np.int64]
 SLIT = 0.3  # opening of a tip at rest over the length of its lips, above which it is a corner
 STRAIGHT = 0.1  # sideways over back, within which a lip is straight behind its tip
 REACH = 0.5  # of the distance to what may not move
@@ -128,9 +130,10 @@ def energy_release(results: Results, cut: int = 0) -> Array:
     found = tips(mesh, cut)
     if not found:
         raise ModelError(f"energy_release: cut {cut} has no tip; it is a hole, or ends on rims")
+    ends = np.array([tip.node for number in range(len(mesh.cuts)) for tip in tips(mesh, number)])
     released = np.zeros((len(results), len(found)))
     for column, tip in enumerate(found):
-        moved, reach = _moved(mesh, tip)
+        moved, reach = _moved(mesh, tip, ends[ends != tip.node])
         at_tip = (mesh.triangles == tip.node).any(axis=1)
         thickness = float(constants.thickness_of_facets(len(mesh.triangles))[at_tip].mean())
         share = SHARE * reach
@@ -160,17 +163,16 @@ def _in_moved_axes(kernel: FacetKernel | ShellFacetKernel, rest: Array) -> dict[
     return made
 
 
-def _moved(mesh: TriMesh, tip: Tip) -> tuple[Array, float]:
-    """How far each node (n,) moves with the tip, and the distance from which on none does: other tips do not."""
+def _moved(mesh: TriMesh, tip: Tip, others: Index) -> tuple[Array, float]:
+    """How far each node (n,) moves with the tip, and the distance from which on none does; `others` are the nodes of
+    other tips, which stay."""
     place = mesh.nodes[:, :2] - tip.place
     distance = np.linalg.norm(place, axis=1)
     rim = np.unique(mesh.edges[mesh.boundary_edges])
     back = -place[rim] @ tip.direction
     aside = np.linalg.norm(place[rim] + back[:, None] * tip.direction, axis=1)
     behind = (back > 0) & (aside <= STRAIGHT * back) | (rim == tip.node)
-    others = [other.node for cut in range(len(mesh.cuts)) for other in tips(mesh, cut) if other.node != tip.node]
-    fixed = np.concatenate([rim[~behind], np.array(others, np.int64)])
-    reach = REACH * float(distance[fixed].min(initial=float(mesh.size)))
+    reach = REACH * float(distance[np.append(rim[~behind], others)].min(initial=float(mesh.size)))
     weight: Array = np.clip(2 * (1 - distance / reach), 0.0, 1.0)
     return weight, reach
 
