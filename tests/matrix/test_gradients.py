@@ -9,7 +9,8 @@ import pytest
 from structures import BUILT, RUNGS, STRUCTURES, results
 
 import kirigami as kg
-from kirigami.primitives.sensitivity import rebuilt
+from kirigami.primitives.sensitivity import member_work, rebuilt
+from kirigami.results.gradients import fields
 from kirigami.results.gradients.critical import CriticalPoint
 from kirigami.results.gradients.equilibrium import Equilibrium, prepared
 from kirigami.results.gradients.fields import _kernels, _moduli, _with_sheet, shifted
@@ -95,6 +96,35 @@ def test_by_places_of_nodes(name):
             lambda s: prepared(shifted(res.model, s * along), res[-1].history),
         )  # fmt: skip
         assert_second_order(left, rounding_of(functional))
+
+
+@pytest.mark.parametrize("name", ["shell", "folded shell"])
+def test_rounding_is_not_taken_for_what_is_felt_far_away(name, monkeypatch):
+    """A load does not feel where nodes are: all that its work changes by is rounding, near and far."""
+    asked = [("force", "driven_0", "y"), ("energy",), ("open_area",), ("position", "driven_0", "x")]
+    exact = results(name).gradient(asked, "positions")
+    random = np.random.default_rng(0)
+
+    def rounded(*given):
+        work = member_work(*given)
+        return work * (1 + np.finfo(float).eps * random.integers(-1, 2, work.shape))
+
+    monkeypatch.setattr(fields, "member_work", rounded)
+    for again, rate in zip(results(name).gradient(asked, "positions"), exact):
+        assert again == pytest.approx(rate, abs=1e-8 * np.abs(rate).max())
+
+
+def test_what_is_felt_far_away_is_refused(monkeypatch):
+    """Loads that every node has a little part in, wherever it is."""
+    start = results("shell").rest[:, :2].sum()
+
+    def far(kernel, x, lam, v, energy=0.0):
+        work = member_work(kernel, x, lam, v, energy)
+        return work + 1e-4 * (kernel.rest[: len(results("shell").rest), :2].sum() - start) * (kernel.conn.shape[1] == 1)
+
+    monkeypatch.setattr(fields, "member_work", far)
+    with pytest.raises(kg.AnalysisError, match="felt far"):
+        results("shell").gradient(("energy",), "positions")
 
 
 @pytest.mark.parametrize("wrt", ["thickness", "E"])

@@ -30,6 +30,7 @@ from kirigami.system.system import System
 STEP = 1e-5  # of a number, or of the spacing of the nodes, in central differences
 REACH = 3  # steps from node to node within which members feel where a node is, or how thick a facet
 LOST = 1e-7  # share of a change that may be felt beyond that
+ROUNDING = 1e-13  # of the work of members: a change that is nothing but rounding; a real one is some STEP of it
 Index = NDArray[np.int64]
 FIELDS = ("thickness", "E", "strain", "curvature", "positions")
 
@@ -182,7 +183,7 @@ def _by_groups(
         for rate, ahead, behind in zip(found, *sides):
             for number, plus, minus in zip(numbers, ahead, behind):
                 conn = at.system.kernels[number].conn
-                _share(rate, group, owner, conn, plus - minus, 2 * STEP * values[group])
+                _share(rate, group, owner, conn, plus, minus, 2 * STEP * values[group])
     return found
 
 
@@ -207,12 +208,14 @@ def _of_rows(label: Index, system: System) -> Index:
     return rows
 
 
-def _share(rate: Array, group: Index, owner: Index, conn: Index, change: Array, step: Array) -> None:
-    """Add the changes of members to the one of the `group` that is nearest to each of them."""
+def _share(rate: Array, group: Index, owner: Index, conn: Index, ahead: Array, behind: Array, step: Array) -> None:
+    """Add the changes of the members' work to the one of the `group` that is nearest to each of them."""
+    change = ahead - behind
     inside = np.where(conn < len(owner), conn, -1)
     label = np.append(owner, -1)[inside].max(axis=1)
     lost = float(np.abs(change[label < 0]).sum())
-    if lost > LOST * float(np.abs(change).sum()):
+    rounding = ROUNDING * float(np.abs(ahead).sum() + np.abs(behind).sum())  # a load feels nothing else
+    if lost > LOST * float(np.abs(change).sum()) + rounding:
         raise AnalysisError(
             "gradient: what a facet or a node does is felt far from it, by more than its neighbours: use a Design, "
             "whose few parameters are changed one by one"
@@ -314,7 +317,7 @@ def of_positions(adjoints: Sequence[Adjoint], owner: str) -> list[Array]:
                 column = np.zeros(system.points)
                 full = np.full(len(group), 2 * step)
                 for kernel, plus, minus in zip(system.kernels, ahead[0], behind[0]):
-                    _share(column, group, rows, kernel.conn, plus - minus, full)
+                    _share(column, group, rows, kernel.conn, plus, minus, full)
                 explicit = (ahead[1] - behind[1]).sum(axis=1)
                 mine = label >= 0
                 column[group] += np.bincount(label[mine], explicit[mine], len(group)) / (2 * step)
