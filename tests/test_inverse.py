@@ -145,6 +145,8 @@ def test_answer_is_walked_on_a_finer_mesh():
     fine = forces(found.design.finer(1.5), [1.0])
     assert found.reached[0] == pytest.approx(fine, rel=1e-6)
     assert found.error == pytest.approx(abs(fine[0] / wanted[0] - 1), abs=1e-6)
+    coarse = forces(found.design, [1.0])
+    assert found.coarse_error == pytest.approx(abs(coarse[0] / wanted[0] - 1), abs=1e-6)  # of the targets as given
     assert found.verified == (found.error < 0.03)
     assert found.verified
     assert found.plot().axes
@@ -167,6 +169,27 @@ def test_corrections_go_on_where_evaluations_ran_out():
     assert len(found.reached) == 1
     assert not found.verified
     assert found.error > 1e-4
+    assert "corrected by the finer mesh" in found.message
+    assert found.coarse_error == pytest.approx(abs(found.coarse[0][0] / wanted[0] - 1))
+
+
+def test_what_was_walked_on_a_finer_mesh_is_not_told_of_a_later_design():
+    """Interrupted while it goes on with corrected targets, the best design is one that no finer mesh has seen."""
+    start = design(edge=1.0, stiffness="plate")
+    wanted = 1.1 * forces(start, [1.0])
+
+    first = kg.Inverse(start, (FORCE, 1.0, wanted), evaluations=3, corrections=0, finer=1.2).run()
+
+    def stop(number, values, error):
+        if number > first.evaluations + 1:
+            raise KeyboardInterrupt
+
+    problem = kg.Inverse(start, (FORCE, 1.0, wanted), evaluations=3, corrections=1, finer=1.2, tolerance=1e-6)
+    found = problem.run(progress=stop)
+    assert found.status == "interrupted"
+    assert not found.reached
+    assert not found.verified
+    assert found.error == found.coarse_error
 
 
 def test_bad_input():

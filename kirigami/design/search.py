@@ -196,10 +196,11 @@ class Search:
                 if problem.corrections is None or not self.carries:
                     break
                 fine, error = self._on_finer_mesh()
-                if error <= problem.tolerance / 3 or corrected >= problem.corrections:
+                if not fine or error <= problem.tolerance / 3 or corrected >= problem.corrections:
                     break
                 corrected += 1
                 self._correct(fine)
+                fine, error = [], float("nan")  # they were those of the design that is searched on from
         except KeyboardInterrupt:
             status = "interrupted"
         return self._answer(status, start, before, fine, error)
@@ -227,8 +228,6 @@ class Search:
     def _correct(self, fine: list[Array]) -> None:
         """Ask of the coarse mesh what the finer one lacks."""
         assert self.best is not None
-        if not fine:
-            return
         split = np.cumsum([len(target.lam) for target in self.problem.targets])[:-1]
         self.shift = [
             there - here for there, here in zip(fine, np.split(self.best.told, split))
@@ -267,6 +266,8 @@ class Search:
         wished = all(target.wish for target in problem.targets)
         if wished and status == "closest":
             messages["closest"] = "nothing better was found"
+        if any(shift.any() for shift in self.shift):
+            messages[status] += "; that is of the targets as corrected by the finer mesh"
         if problem.corrections is not None and not self.carries:
             messages[status] += (
                 "; not walked on a finer mesh, which numbers its nodes anew: give nodes by names of boundaries or "
@@ -278,7 +279,7 @@ class Search:
         return InverseResult(
             design=self.design.at(self._inside(best.x)), start=start,
             values=dict(zip(self.design.free, map(float, best.x))),
-            error=error if fine else own, coarse_error=met,
+            error=error if fine else own, coarse_error=own,
             verified=bool(fine) and error <= problem.tolerance and inside,
             worth=best.worth, status=status, message=messages[status], lam=[target.lam for target in problem.targets],
             wanted=[target.values for target in problem.targets], reached=fine, coarse=coarse,
