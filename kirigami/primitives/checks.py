@@ -190,6 +190,15 @@ def require_callable(value: Any, name: str, owner: str, error: Error = ModelErro
     return function
 
 
+def require_executor(value: Any, owner: str) -> Any:
+    """`value` as something that runs functions elsewhere, or None."""
+    if value is not None and not hasattr(value, "submit"):
+        raise ModelError(
+            f"{owner}: executor must be a concurrent.futures.Executor or a Dask client, got {shown(value)}"
+        )
+    return value
+
+
 def require_mapping(value: Any, name: str, owner: str, error: Error = ModelError) -> Mapping[str, Any]:
     """`value` as a mapping whose keys are text."""
     if not isinstance(value, Mapping) or not all(isinstance(key, str) for key in value):

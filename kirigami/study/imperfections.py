@@ -25,6 +25,7 @@ from kirigami.model.model import Model
 from kirigami.primitives.checks import (
     require_axes,
     require_callable,
+    require_executor,
     require_instance,
     require_items,
     require_path,
@@ -304,8 +305,7 @@ def imperfections(
     signs = require_items(signs, "signs", "imperfections")
     if not isinstance(mirrors, str) or mirrors:
         require_axes(mirrors, "imperfections", "mirrors")
-    if executor is not None and not hasattr(executor, "submit"):
-        raise ModelError(f"imperfections: executor must be a concurrent.futures.Executor, got {shown(executor)}")
+    require_executor(executor, "imperfections")
     if isinstance(modes, (int, np.integer)):
         shapes = seeds(model, modes)
     else:

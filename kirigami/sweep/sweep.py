@@ -18,6 +18,7 @@ from kirigami.errors import KirigamiWarning, ModelError
 from kirigami.primitives.checks import (
     require_boolean,
     require_callable,
+    require_executor,
     require_finite,
     require_items,
     require_whole,
@@ -133,10 +134,7 @@ class Sweep:
         ModelError
             `executor` is none, the function cannot be sent to it, or it returns a name that is a parameter.
         """
-        if executor is not None and not hasattr(executor, "submit"):
-            raise ModelError(
-                f"Sweep.run: executor must be a concurrent.futures.Executor or a Dask client, got {shown(executor)}"
-            )
+        require_executor(executor, "Sweep.run")
         if workers is not None:
             workers = require_whole(workers, "workers", "Sweep.run", least=1)
         require_boolean(progress, "progress", "Sweep.run")

@@ -7,18 +7,18 @@ import warnings
 from collections.abc import Sequence
 from concurrent.futures import Executor
 
-from kirigami.errors import KirigamiWarning, ModelError
+from kirigami.errors import KirigamiWarning
 from kirigami.model.model import Model
 from kirigami.primitives.checks import (
     require_axes,
     require_boolean,
+    require_executor,
     require_finite,
     require_instance,
     require_items,
     require_path,
     require_positive,
     require_whole,
-    shown,
 )
 from kirigami.progress import progress_bar
 from kirigami.results.step import Step
@@ -125,8 +125,7 @@ def shapes(
     if not isinstance(mirrors, str) or mirrors:
         require_axes(mirrors, owner, "mirrors")
     alike = require_positive(alike, "alike", owner)
-    if executor is not None and not hasattr(executor, "submit"):
-        raise ModelError(f"shapes: executor must be a concurrent.futures.Executor, got {shown(executor)}")
+    require_executor(executor, owner)
     workers = None if workers is None else require_whole(workers, "workers", owner, least=1)
     known = [require_instance(step, Step, "starts", owner) for step in require_items(starts, "starts", owner)]
     file = None if path is None else require_path(path, "path", owner)
