@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike
 
 from kirigami.errors import ModelError
 from kirigami.files import whole_file
-from kirigami.plot.style import styled
+from kirigami.plot.style import new_axes, styled
 from kirigami.primitives.kernel import Array
 
 if TYPE_CHECKING:
@@ -71,7 +71,7 @@ def plot_tiling(
     from matplotlib.lines import Line2D
     from matplotlib.patches import Patch
 
-    ax = _axes(ax)
+    ax = new_axes((6, 5)) if ax is None else ax
     rest = tiling.vertices
     moved = rest if u is None else rest + _field(tiling, u)
     _fill(ax, tiling, rest, REST, REST_EDGE, 0.55 if u is not None else 0.9, 1)
@@ -255,14 +255,6 @@ def _dot(ax: Any, tiling: Tiling, size: float) -> float:
     panel = np.median([np.ptp(tiling.vertices[polygon], axis=0).max() for polygon in tiling.polygons])
     width = 72 * ax.figure.get_size_inches()[0]
     return float(np.clip((0.1 * panel / size * width) ** 2, 1.5, 24.0))
-
-
-def _axes(ax: Any) -> Any:
-    if ax is not None:
-        return ax
-    import matplotlib.pyplot as plt
-
-    return plt.subplots(figsize=(6, 5), layout="constrained")[1]
 
 
 def _finish(ax: Any) -> Any:
