@@ -5,33 +5,16 @@ from __future__ import annotations
 import numpy as np
 import pytest
 import shapely
+from slit_design import BOX, cuts, pulled
 
 import kirigami as kg
 from kirigami.results.gradients.equilibrium import Equilibrium, prepared
 from kirigami.results.gradients.functionals import tell_of
 
-BOX = shapely.box(0, 0, 0.1, 0.08)
-
-
-def cuts(inner, edge, tilt):
-    """A slit inside that turns, and one from either side."""
-    across = 0.035 * inner * np.array([np.cos(tilt), np.sin(tilt)])
-    middle = np.array([0.05, 0.025])
-    return [
-        shapely.LineString([middle - across, middle + across]),
-        shapely.LineString([(0, 0.055), (0.03 * edge, 0.055)]),
-        shapely.LineString([(0.1 - 0.03 * edge, 0.055), (0.1, 0.055)]),
-    ]
-
-
-def pulled(m):
-    top = m.select(boundary="top")
-    m.add(kg.Fix(m.select(boundary="bottom"), clamp=True), kg.Fix(top, "xz", clamp=True), kg.Prescribe(top, y=0.003))
-
 
 def design(**more):
     given = {
-        "outline": BOX, "supports": pulled, "thickness": (8e-4, 4e-4, 2e-3), "material": kg.Material(2e9, 0.3),
+        "outline": BOX, "supports": pulled(0.003), "thickness": (8e-4, 4e-4, 2e-3), "material": kg.Material(2e9, 0.3),
         "mesh": {"max_edge": 0.03, "cut_edge": 0.025}, "inner": (1.0, 0.5, 1.3), "edge": (1.0, 0.5, 1.4),
         "tilt": (0.1, -0.5, 0.5),
     }  # fmt: skip
@@ -109,7 +92,7 @@ def test_cuts_that_meet_or_change():
 
     with pytest.raises(kg.GeometryError, match="number must stay"):
         kg.Design(
-            more, outline=BOX, supports=pulled, thickness=1e-3, material=kg.Material(1e9), count=(2, 1, 5),
+            more, outline=BOX, supports=pulled(0.003), thickness=1e-3, material=kg.Material(1e9), count=(2, 1, 5),
             mesh={"max_edge": 0.03},
         ).at(count=3)  # fmt: skip
 

@@ -7,29 +7,16 @@ import json
 import numpy as np
 import pytest
 import shapely
+from slit_design import BOX, cuts, pulled
 
 import kirigami as kg
 
-BOX = shapely.box(0, 0, 0.1, 0.08)
 FORCE = ("force", "driven_0", "y")
-
-
-def cuts(inner, edge):
-    return [
-        shapely.LineString([(0.05 - 0.035 * inner, 0.025), (0.05 + 0.035 * inner, 0.025)]),
-        shapely.LineString([(0, 0.055), (0.03 * edge, 0.055)]),
-        shapely.LineString([(0.1 - 0.03 * edge, 0.055), (0.1, 0.055)]),
-    ]
-
-
-def pulled(m):
-    top = m.select(boundary="top")
-    m.add(kg.Fix(m.select(boundary="bottom"), clamp=True), kg.Fix(top, "xz", clamp=True), kg.Prescribe(top, y=0.002))
 
 
 def design(**more):
     given = {
-        "outline": BOX, "supports": pulled, "thickness": 1e-3, "material": kg.Material(2e9, 0.3),
+        "outline": BOX, "supports": pulled(0.002), "thickness": 1e-3, "material": kg.Material(2e9, 0.3),
         "mesh": {"max_edge": 0.03, "cut_edge": 0.03}, "inner": (1.0, 0.5, 1.2), "edge": (1.0, 0.5, 1.4),
     }  # fmt: skip
     return kg.Design(cuts, **{**given, **more})
