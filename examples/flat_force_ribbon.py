@@ -1,8 +1,12 @@
-"""A ribbon with a flat force plateau: the lengths of its slits are found so that it bears 2 N, pulled little or far.
+"""A ribbon that bears about 2 N, pulled little or far: the lengths of its slits are searched for a flat force.
 
 Five rows of slits over a strip, with one length for those in the middle and one for those from the sides. Wanted is
-the same force, within a tenth, at a half, three quarters and the whole of the pull. The answer is walked once more from
-flat on a finer mesh, and written for the cutter.
+the same force at a half, three quarters and the whole of the pull. The answer is walked once more from flat on a finer
+mesh, and written for the cutter.
+
+The answer is not verified, and says so: two lengths come within 9.1 % of 2 N on the finer mesh, and 3 % is what the
+package asks for. Over that half of the pull the force still grows, by 15 %; that of the first ribbon grows by 33 % on
+such a mesh.
 
 Run it with ``python examples/flat_force_ribbon.py [folder]``; it takes a minute or two.
 """
@@ -56,11 +60,15 @@ def main(folder: Path) -> kg.InverseResult:
     res = start.walk(AT)
     before = np.array([res.reaction("driven_0", "y")[int(np.argmin(abs(res.lam - lam)))] for lam in AT])
     print("forces of the start [N]:", before.round(3))
-    problem = kg.Inverse(
-        start, (FORCE, AT, PLATEAU), evaluations=15, tolerance=0.1, path=folder / "ribbon.json"
-    )  # fmt: skip
+    problem = kg.Inverse(start, (FORCE, AT, PLATEAU), evaluations=15, path=folder / "ribbon.json")
     found = problem.run(progress=True)
     print(found.summary())
+    print("forces of the answer on the finer mesh [N]:", np.round(found.reached, 3))
+    if not found.verified:
+        print(
+            f"not verified: its forces are within {100 * found.error:.1f} % of {PLATEAU:g} N on the finer mesh, and "
+            f"{100 * problem.tolerance:g} % was asked for"
+        )
     found.plot().savefig(folder / "ribbon.png", dpi=120)
     found.design.sheet().to_svg(folder / "ribbon.svg")
     return found
