@@ -4,7 +4,10 @@ and Design 40 (2004) 1551-1569: tables of S4R runs of another program.
 Shells on at most 2,000 corner nodes; bars and flat facets on the same squares with parallel diagonals, their best.
 """
 
+from functools import cache
+
 import numpy as np
+import pytest
 from case import Bound, Case, Found, each_rung
 from shells import around_x, at_zero, cylinder, grid, hemisphere, hold, near, pattern_of, surface
 
@@ -71,6 +74,7 @@ def annulus(rung):
     return Found(probed(results, ANNULUS, [(at[-1, 0], 2, 1), (at[-1, -1], 2, 1)]), results)
 
 
+@cache
 def pinched_hemisphere(rung):
     """3.4: R 10, h 0.04, a hole of 18 degrees, E 6.825e7, nu 0.3, four forces of 400."""
     model, nodes, points, radius = hemisphere(16, rung=rung)
@@ -80,6 +84,7 @@ def pinched_hemisphere(rung):
     return Found(probed(results, HEMISPHERE, [(b, 1, 1), (a, 0, -1)]), results)
 
 
+@cache
 def pull_out(rung):
     """3.5: R 4.953, L 10.35, h 0.094, E 10.5e6, nu 0.3125, two forces of 40,000; it snaps near 0.5."""
     radius, length = 4.953, 10.35
@@ -154,6 +159,14 @@ def hinged_roof(rung):
     return Found([results.lam[int(np.argmin(np.abs(-results.u[:, centre, 2] - w)))] for w in ROOF[:, 1]], results)
 
 
+def roof_limits(rung):
+    """The same: the limit load, and the least load behind it."""
+    results = hinged_roof(rung).results
+    centre = near(results.rest, (0, 0, 2540.0))
+    down = -results.u[:, centre, 2]
+    return Found([[results.lam[down < 15].max(), results.lam[down > 15].min()]], results)
+
+
 CASES = [
     Case("cantilever under end shear", CANTILEVER[:, 1:], "shortening and deflection of the end", cantilever,
          {"shell": Bound(0.02), "facet": Bound(0.02), "plate": Bound(1.5, HINGES)}, CANTILEVER[:, 0]),
@@ -172,9 +185,21 @@ CASES = [
     Case("hinged roof", ROOF[:, 0], "load at 27 deflections", hinged_roof,
          {"shell": Bound(0.02), "facet": Bound(0.05), "plate": Bound(0.4, HINGES)}, ROOF[:, 1], axis="deflection",
          whole=True),
+    Case("hinged roof, limits", [[0.7421, 0.1729]], "limit load and least load", roof_limits,
+         {"shell": Bound(0.02), "facet": Bound(0.02), "plate": Bound(1.0, HINGES)}),
 ]  # fmt: skip
 
 
 @each_rung(CASES)
 def test_published_number(case, rung):
     case.check(rung)
+
+
+def test_the_pull_out_snaps_once_and_is_told():
+    """It was passed in silence once."""
+    (snap,) = pull_out("shell").results.events
+    assert snap.kind == "snap" and snap.energy > 0 and snap.bracket == pytest.approx((0.5, 0.5), abs=0.03)
+
+
+def test_the_hemisphere_is_stable_all_the_way():
+    assert pinched_hemisphere("shell").results.stable.all()
