@@ -6,11 +6,11 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from kirigami.errors import AnalysisError, ModelError
+from kirigami.errors import ModelError
 from kirigami.primitives.checks import shown
 from kirigami.results.gradients.equilibrium import Adjoint, Equilibrium
 from kirigami.results.gradients.functionals import tell_of
-from kirigami.results.gradients.gradient import STEP, stiffness_pair
+from kirigami.results.gradients.gradient import stiffness
 from kirigami.results.results import Results
 
 BY_NODES = ("force", "position", "stiffness")
@@ -30,22 +30,10 @@ def asked(functional: Any, at: Equilibrium, results: Results, slopes: bool = Tru
         raise ModelError(
             f"Inverse: {shown(functional)} is of a path, not of an equilibrium: ask for a force or a stiffness"
         )
-    if kind != "stiffness":
-        told = at.told(tell_of(functional, results, "Inverse"))
-        return Asked(told.value, [(1.0, at.adjoint(told))] if slopes else [])
-    if len(functional) != 3:
-        raise ModelError("Inverse: give ('stiffness', nodes, axis)")
-    tells = tuple(tell_of((name, *functional[1:]), results, "Inverse") for name in ("force", "position"))
-    sides, force, place = stiffness_pair(at, (tells[0], tells[1]))
-    if not place:
-        raise AnalysisError("Inverse: these nodes do not move with the load factor, so they have no stiffness")
-    parts = []
-    if slopes:
-        share = 1.0 / (2 * STEP * (abs(at.lam) or 1.0) * place)
-        for side, sign in zip(sides, (1.0, -1.0)):
-            for tell, weight in zip(tells, (share, -share * force / place)):
-                parts.append((sign * weight, side.adjoint(side.told(tell))))
-    return Asked(force / place, parts)
+    if kind == "stiffness":
+        return Asked(*stiffness(at, functional, results, "Inverse", slopes))
+    told = at.told(tell_of(functional, results, "Inverse"))
+    return Asked(told.value, [(1.0, at.adjoint(told))] if slopes else [])
 
 
 def carries_over(functional: Any) -> bool:

@@ -20,7 +20,7 @@ from kirigami.errors import AnalysisError, ModelError
 from kirigami.linalg import SingularMatrixError, factorize, inverse_iteration
 from kirigami.primitives.checks import require_whole
 from kirigami.primitives.kernel import Array
-from kirigami.results.gradients.equilibrium import Adjoint, Equilibrium, prepared, refuse_history
+from kirigami.results.gradients.equilibrium import Adjoint, Equilibrium, prepared, refuse_history, weighted
 from kirigami.results.gradients.functionals import Told
 from kirigami.results.results import Results
 from kirigami.results.step import Event
@@ -143,9 +143,7 @@ class CriticalPoint:
             self._of_residual(self.q - self.step * self.phi, -share, derive),
             self._of_residual(self.q, -eta / whole, derive),
         ]
-        if isinstance(parts[0], dict):
-            return {name: sum(part[name] for part in parts) for name in parts[0]}
-        return parts[0] + parts[1] + parts[2]
+        return weighted((1.0, 1.0, 1.0), parts)
 
     def _of_residual(self, q: Array, multiplier: Array, derive: Callable[[Sequence[Adjoint]], list[Any]]) -> Any:
         """-multiplier . dr/dp at unknowns q."""

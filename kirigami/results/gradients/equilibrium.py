@@ -12,6 +12,7 @@ v . g_m + dJ/dU U_m.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -190,6 +191,13 @@ class Adjoint:
         """Derivatives by the arrays of a kernel."""
         energy = self.told.by_energy if kernel.stores_energy else 0.0
         return kernel.sensitivity(self.at.configuration, self.at.lam, self.v, energy)
+
+
+def weighted(weights: Sequence[float], rates: Sequence[Any]) -> Any:
+    """A weighted sum of derivatives, be they numbers, arrays, or dicts of them by the names of parameters."""
+    if isinstance(rates[0], dict):
+        return {name: weighted(weights, [rate[name] for rate in rates]) for name in rates[0]}
+    return sum(weight * rate for weight, rate in zip(weights, rates))
 
 
 def refuse_history(system: System, owner: str) -> None:

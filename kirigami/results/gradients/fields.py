@@ -71,7 +71,7 @@ def of_sheet(adjoints: Sequence[Adjoint], name: str, owner: str) -> list[Array]:
     def lowered(moved: Array) -> list[Kernel]:
         return _with_sheet(system.model, name, moved, owner)
 
-    others = _felt_elsewhere(system, lowered, values, left_out, adjoints)
+    others = _felt_elsewhere(system, lowered, values, left_out)
     if others:
         near = mesh.triangles
         for rate, more in zip(closed, _by_groups(adjoints, lowered, values, near, others)):
@@ -124,12 +124,11 @@ def _kernels(model: Model, objects: Sequence[Any], constants: Any, rest: Array) 
 
 
 def _felt_elsewhere(
-    system: System, lowered: Callable[[Array], list[Kernel]], values: Array, but: Any, adjoints: Sequence[Adjoint]
+    system: System, lowered: Callable[[Array], list[Kernel]], values: Array, but: Any
 ) -> list[int]:
     """Numbers of the kernels, but those of the class `but`, that a change of the values is felt by."""
     moved = lowered(values * (1 + 1e-3 * np.random.default_rng(0).uniform(0.5, 1.0, len(values))))
     _same(system.kernels, moved)
-    at = adjoints[0].at
     found = []
     for number, (before, after) in enumerate(zip(system.kernels, moved)):
         if but is not None and isinstance(before, but):
@@ -139,8 +138,7 @@ def _felt_elsewhere(
             for key, value in before.arrays().items()
         ):
             found.append(number)
-    _remember(system.kernels, moved)
-    return found if at.system.kernels else []
+    return found
 
 
 def _alike(one: Array, other: Any) -> bool:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -11,7 +11,7 @@ from kirigami.errors import AnalysisError, ModelError
 from kirigami.primitives.checks import require_instance, shown
 from kirigami.primitives.kernel import Array
 from kirigami.results.gradients import critical
-from kirigami.results.gradients.equilibrium import Adjoint, Equilibrium, prepared
+from kirigami.results.gradients.equilibrium import Adjoint, Equilibrium, prepared, weighted
 from kirigami.results.gradients.fields import FIELDS, of_positions, of_sheet
 from kirigami.results.gradients.functionals import Tell, _parts, tell_of
 from kirigami.results.results import Results
@@ -144,25 +144,29 @@ def stiffness_pair(at: Equilibrium, tells: tuple[Tell, Tell]) -> tuple[list[Equi
     return sides, force / (2 * span), place / (2 * span)
 
 
-def _of_stiffness(results: Results, step: Step, functional: Any, wrt: Any) -> Any:
+def stiffness(
+    at: Equilibrium, functional: Any, results: Results, owner: str = "gradient", slopes: bool = True
+) -> tuple[float, list[tuple[float, Adjoint]]]:
+    """A stiffness, and with `slopes` its derivative as a sum of weights times those of adjoints, two for each side."""
     if len(functional) != 3:
-        raise ModelError("gradient: give ('stiffness', nodes, axis)")
-    tells = tell_of(("force", *functional[1:]), results), tell_of(("position", *functional[1:]), results)
-    at = equilibrium(results, step)
+        raise ModelError(f"{owner}: give ('stiffness', nodes, axis)")
+    tells = tell_of(("force", *functional[1:]), results, owner), tell_of(("position", *functional[1:]), results, owner)
     sides, force, place = stiffness_pair(at, tells)
     if not place:
-        raise ModelError("gradient: these nodes do not move with the load factor, so they have no stiffness")
-    span = STEP * (abs(at.lam) or 1.0)
-    found = [_derivatives([side.adjoint(side.told(tell)) for tell in tells], wrt) for side in sides]
+        raise ModelError(f"{owner}: these nodes do not move with the load factor, so they have no stiffness")
+    share = 1.0 / (2 * STEP * (abs(at.lam) or 1.0) * place)
+    parts = [
+        (sign * weight, side.adjoint(side.told(tell)))
+        for side, sign in zip(sides, (1.0, -1.0))
+        for tell, weight in zip(tells, (share, -share * force / place))
+    ] if slopes else []  # fmt: skip
+    return force / place, parts
 
-    def combined(parts: list[Any]) -> Any:
-        (ahead_force, ahead_place), (behind_force, behind_place) = parts
-        rate = (ahead_force - behind_force) / (2 * span)
-        return rate / place - force / place**2 * (ahead_place - behind_place) / (2 * span)
 
-    if isinstance(found[0][0], dict):
-        return {name: combined([[one[name] for one in side] for side in found]) for name in found[0][0]}
-    return combined(found)
+def _of_stiffness(results: Results, step: Step, functional: Any, wrt: Any) -> Any:
+    _, parts = stiffness(equilibrium(results, step), functional, results)
+    weights, adjoints = zip(*parts)
+    return weighted(weights, [rate for side in (adjoints[:2], adjoints[2:]) for rate in _derivatives(side, wrt)])
 
 
 def _derivatives(adjoints: Sequence[Adjoint], wrt: Any) -> list[Any]:
@@ -211,5 +215,3 @@ def _of_members(adjoint: Adjoint, wrt: str) -> Array:
         np.add.at(total, rows, part[array])
     return total
 
-
-Derivatives = Callable[[Sequence[Adjoint]], list[Any]]
