@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from kirigami.plot import style
-from kirigami.plot.undeformed import draw_polygon, flat_axes
+from kirigami.plot.undeformed import draw_paper, flat_axes
 
 if TYPE_CHECKING:
     from kirigami.drawing.drawing import Drawing
@@ -49,13 +49,11 @@ def plot_drawing(drawing: Drawing, ax: Any = None) -> Any:
     everything = shapely.GeometryCollection([drawing.outline, *drawing.left_out])
     bounds = np.array(everything.bounds).reshape(2, 2)
     ax = flat_axes(ax, "plot_drawing", bounds)
-    openings = [cut for cut in drawing.cuts if isinstance(cut, shapely.Polygon)]
-    for part in shapely.get_parts(shapely.difference(drawing.outline, shapely.union_all(openings))):
-        draw_polygon(ax, part, style.PAPER)
+    draw_paper(ax, drawing.outline, drawing.cuts, style.PAPER)
     ax.plot([], [], color=style.INK, label="outline")
     kinds: list[tuple[str, list[Any], dict[str, Any]]] = [
         ("slit", [cut for cut in drawing.cuts if not isinstance(cut, shapely.Polygon)], {"color": style.VERMILION}),
-        ("opening", [opening.exterior for opening in openings], {"color": style.GREEN}),
+        ("opening", [cut.exterior for cut in drawing.cuts if isinstance(cut, shapely.Polygon)], {"color": style.GREEN}),
         ("fold", list(drawing.folds), {"color": style.BLUE, "linestyle": "--"}),
         ("left out", list(drawing.left_out), {"color": style.GREY, "linestyle": ":"}),
     ]

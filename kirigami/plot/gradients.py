@@ -48,12 +48,12 @@ def plot_gradient(mesh: TriMesh, values: ArrayLike, ax: Any = None, label: str |
     given = require_array(values, (len(mesh.triangles),), name="values", owner="plot_gradient")
     density = given / mesh.facet_areas
     points = mesh.nodes[:, :2]
-    ax = flat_axes(ax, "plot_gradient", np.stack([points.min(axis=0), points.max(axis=0)]))
+    bounds = np.stack([points.min(axis=0), points.max(axis=0)])
+    ax = flat_axes(ax, "plot_gradient", bounds)
     size = float(np.abs(density).max(initial=0.0)) or 1.0
     drawn = ax.tripcolor(
-        *points.T, mesh.triangles, facecolors=density, cmap=style.diverging_map(), vmin=-size,
-        vmax=size,
-    )  # fmt: skip
-    ax.set_aspect("equal")
+        *points.T, mesh.triangles, facecolors=density, cmap=style.diverging_map(), vmin=-size, vmax=size
+    )
+    style.frame_flat(ax, *bounds)
     style.color_bar(ax, drawn, "gradient per area" if label is None else label)
     return ax

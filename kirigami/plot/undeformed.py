@@ -61,9 +61,7 @@ def plot_sheet(sheet: Sheet, ax: Any = None, fill: Any = style.PAPER, cut_color:
         raise ModelError(f"plot_sheet: sheet must be a Sheet, got {shown(sheet)}")
     bounds = np.array(sheet.outline.bounds).reshape(2, 2)
     ax = flat_axes(ax, "plot_sheet", bounds)
-    openings = [cut for cut in sheet.cuts if isinstance(cut, shapely.Polygon)]
-    for part in shapely.get_parts(shapely.difference(sheet.outline, shapely.union_all(openings))):
-        draw_polygon(ax, part, fill)
+    draw_paper(ax, sheet.outline, sheet.cuts, fill)
     for cut in sheet.cuts:
         if not isinstance(cut, shapely.Polygon):
             ax.plot(*shapely.get_coordinates(cut).T, color=cut_color, linewidth=1.0, solid_capstyle="round")
@@ -71,7 +69,16 @@ def plot_sheet(sheet: Sheet, ax: Any = None, fill: Any = style.PAPER, cut_color:
     return ax
 
 
-def draw_polygon(ax: Any, polygon: Any, fill: Any) -> None:
+def draw_paper(ax: Any, outline: Any, cuts: Iterable[Any], fill: Any) -> None:
+    """Fill what the openings among the cuts leave of a sheet."""
+    import shapely
+
+    openings = [cut for cut in cuts if isinstance(cut, shapely.Polygon)]
+    for part in shapely.get_parts(shapely.difference(outline, shapely.union_all(openings))):
+        _draw_polygon(ax, part, fill)
+
+
+def _draw_polygon(ax: Any, polygon: Any, fill: Any) -> None:
     """Fill a polygon and draw its rims."""
     from matplotlib.patches import PathPatch
     from matplotlib.path import Path
