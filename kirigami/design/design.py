@@ -11,8 +11,9 @@ from typing import Any
 import numpy as np
 
 from kirigami.analysis.path.methods import DisplacementControl, LoadControl
+from kirigami.design.potentials import Changed, potentials
 from kirigami.elements.stiffness import rung_named
-from kirigami.errors import AnalysisError, KirigamiWarning, ModelError
+from kirigami.errors import KirigamiWarning, ModelError
 from kirigami.geometry.mesh import TriMesh
 from kirigami.geometry.moving import POOR, Follower, check_topology, with_nodes
 from kirigami.geometry.sheet import Sheet
@@ -31,8 +32,6 @@ from kirigami.primitives.kernel import Array
 from kirigami.primitives.material import SheetMaterial
 from kirigami.results.gradients.equilibrium import Adjoint
 from kirigami.results.results import Results
-from kirigami.system.assembly import scatter_add
-from kirigami.system.system import System
 
 STEP = 1e-5  # of the range of a parameter, in central differences
 
@@ -336,8 +335,8 @@ class Design:
             step = STEP * self.span(name)
             sides = []
             for sign in (1.0, -1.0):
-                system = _Changed(self._with({name: self.values[name] + sign * step}).model())
-                sides.append(_potentials(adjoints, system))
+                system = Changed(self._with({name: self.values[name] + sign * step}).model())
+                sides.append(potentials(adjoints, system))
             for rates, ahead, behind in zip(found, *sides):
                 rates[name] = (ahead - behind) / (2 * step)
         return found
@@ -345,39 +344,6 @@ class Design:
     def __repr__(self) -> str:
         told = ", ".join(f"{name}={value:.6g}" for name, value in self.values.items())
         return f"Design({told}; {len(self._reference_mesh.nodes)} nodes)"
-
-
-class _Changed(System):
-    """A system that is asked for forces alone, so that nothing else need be known of it."""
-
-    def _measure(self) -> None:
-        pass
-
-
-def _potentials(adjoints: Sequence[Adjoint], system: System) -> list[float]:
-    """J - mu . r at the unknowns of each equilibrium, in the system of another design."""
-    forces: dict[int, tuple[Array, Array, Array, float]] = {}  # by equilibrium, which several functionals share
-    found = []
-    for adjoint in adjoints:
-        at = adjoint.at
-        if id(at) not in forces:
-            if not np.array_equal(system.unknown, at.system.unknown):
-                raise AnalysisError("gradient: the supports hold other nodes where the design is changed a little")
-            system.history = at.system.history
-            u = system.displacement(at.q, at.lam)
-            x = system.configuration(u)
-            total, energy = np.zeros_like(system.rest), 0.0
-            for kernel in system.kernels:
-                told = kernel.evaluate(x, at.lam, 1)
-                assert told.gradient is not None
-                scatter_add(total, kernel.conn, told.gradient)
-                energy += float(told.energy.sum()) if kernel.stores_energy else 0.0
-            placed = x[: system.points] - at.configuration[: system.points]
-            forces[id(at)] = u, total, placed, energy
-        u, total, placed, energy = forces[id(at)]
-        value = float((adjoint.field(system, u) * total).sum()) + adjoint.told.by_energy * energy
-        found.append(value + float((adjoint.told.by_position[:, : system.dim] * placed).sum()))
-    return found
 
 
 def _take_thickness(thickness: float) -> float:
