@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import warnings
 
 import numpy as np
 import pytest
@@ -10,6 +11,7 @@ import shapely
 from slit_design import BOX, cuts, pulled
 
 import kirigami as kg
+from kirigami.design.search import Search
 
 FORCE = ("force", "driven_0", "y")
 
@@ -178,6 +180,21 @@ def test_what_was_walked_on_a_finer_mesh_is_not_told_of_a_later_design():
     assert not found.reached
     assert not found.verified
     assert found.error == found.coarse_error
+
+
+def test_a_mesh_that_gets_poor_is_made_anew_and_told():
+    """What was walked before still counts."""
+    start = design(stiffness="plate", inner=0.7, edge=0.6, tilt=(0.0, -1.5, 1.5)).at(tilt=0.8)
+    search = Search(kg.Inverse(start, (FORCE, 1.0, 1.0)), start, None, False)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error", kg.KirigamiWarning)
+        assert search.trial(np.array([0.8])) is not None
+    spent = search.branch.factorizations
+    with pytest.warns(kg.KirigamiWarning, match="made anew"):
+        assert search.trial(np.array([0.92])) is not None
+    assert search.design.mesh.min_angle > 20
+    assert search.branch.walks == 2
+    assert search.branch.factorizations > spent
 
 
 def test_bad_input():

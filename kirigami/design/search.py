@@ -23,6 +23,8 @@ from kirigami.primitives.kernel import Array
 if TYPE_CHECKING:
     from kirigami.design.inverse import Inverse
 
+WORST = 10.0  # smallest angle [deg] of a moved mesh that is still used
+
 
 @dataclass
 class Trial:
@@ -43,6 +45,7 @@ class Search:
     def __init__(self, problem: Inverse, design: Design, path: Path | None, progress: Any) -> None:
         self.problem, self.design, self.path, self.progress = problem, design, path, progress
         self.history: list[dict[str, Any]] = []
+        self.begun = 0  # designs tried before this round
         self.best: Trial | None = None
         self.shift = [np.zeros(len(target.lam)) for target in problem.targets]
         self.lams = load_factors(problem.targets, problem.constraints)
@@ -63,16 +66,20 @@ class Search:
             return self.best
         if len(self.history) - self.begun >= self.problem.evaluations:
             raise OutOfEvaluationsError
+        poor = False
         try:
             with warnings.catch_warnings():
                 warnings.simplefilter("ignore", KirigamiWarning)
                 design = self.design.at(self._inside(x))
-                if design.mesh.min_angle < 10.0:
+                poor = design.mesh.min_angle < WORST
+                if poor:
                     design = self._mesh_anew(design)
                 self.branch.go_to(design)
             failed = ""
         except KirigamiError as error:
             failed = str(error)
+        if poor:
+            warnings.warn("Inverse: the mesh got poor and was made anew", KirigamiWarning, stacklevel=2)
         if not failed:
             try:
                 found = self._evaluated(x)
@@ -91,10 +98,11 @@ class Search:
         return np.clip(x, ends[:, 0], ends[:, 1])
 
     def _mesh_anew(self, design: Design) -> Design:
-        warnings.warn("Inverse: the mesh got poor and was made anew", KirigamiWarning, stacklevel=2)
         design = design.remeshed()
-        self.design = design
-        self.branch = Branch(design, self.lams)
+        branch = Branch(design, self.lams)
+        branch.walks += self.branch.walks
+        branch.factorizations += self.branch.factorizations
+        self.design, self.branch = design, branch
         return design
 
     def _evaluated(self, x: Array) -> Trial:
