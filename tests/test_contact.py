@@ -355,6 +355,25 @@ def test_defaults_serve_every_rung(rung: str) -> None:
     assert penetration(res).max() < 1e-4 * 0.03  # of an edge
 
 
+@pytest.mark.parametrize("rung", ["plate", "facet", "shell"])
+def test_a_shelf_sags_onto_a_table_with_no_setting_changed(rung: str) -> None:
+    """A load alone brings a free end into touch, three nodes at once; what presses and what the clamp bears is it."""
+    length, width, thickness = 0.1, 0.02, 0.2e-3
+    material = kg.Material(E=3.5e9, nu=0.0, density=1390.0)
+    sheet = kg.Sheet(shapely.box(0, 0, length, width), thickness=thickness, material=material)
+    m = kg.Model.from_mesh(sheet.mesh(0.01), stiffness=rung)
+    clamped = m.select(boundary="left")
+    free = [node for node in m.nodes if all(node is not held for held in clamped)]
+    m.add(kg.Fix(clamped, clamp=True), kg.Gravity((0, 0, -98.1)))
+    m.add(Contact(free, Plane((0, 0, -5e-3), normal=(0, 0, 1))))
+    res = kg.LoadControl(m).run()
+    pressing = normal_forces(res)[-1].sum()
+    weight = 98.1 * 1390.0 * thickness * length * width
+    assert res[-1].lam == 1 and pressing > 0.1 * weight
+    assert pressing + res.reaction(clamped, "z")[-1] == pytest.approx(weight, rel=1e-5)
+    assert penetration(res).max() < 0.01 * thickness
+
+
 @pytest.mark.parametrize("rung", kg.stiffness.RUNGS)
 def test_defaults_do_not_know_the_unit_of_length(rung: str) -> None:
     metres, millimetres = (

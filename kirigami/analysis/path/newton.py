@@ -50,11 +50,13 @@ def correct(
     tangent = Tangent(ahead=ahead)
     q, lam, u = start.q.copy(), start.lam, start.u
     history: list[float] = []
+    sizes: list[float] = []
     for iteration in range(max_iterations + 1):
         with np.errstate(all="ignore"):
             residual, relative = system.imbalance(u, lam)
         gap, gap_q, gap_lam = control.equation(q, lam)
         history.append(relative)
+        sizes.append(float(np.linalg.norm(residual)))
 
         def failed(reason: str) -> Attempt:
             return Attempt(State(q, lam, u), False, relative, iteration, history, reason)  # noqa: B023
@@ -65,7 +67,7 @@ def correct(
             return Attempt(State(q, lam, u), True, relative, iteration, history)
         if iteration == max_iterations:
             return failed("too many iterations")
-        if _hopeless(history):
+        if _hopeless(history, sizes):
             return failed("the residual does not fall")
         try:
             blocks = system.stiffness_blocks(u, lam, tangent)
@@ -101,10 +103,14 @@ def correct(
     raise AssertionError("unreachable")
 
 
-def _hopeless(history: list[float]) -> bool:
-    """True where a Newton attempt is not worth more factorisations, judged from its residuals."""
+def _hopeless(history: list[float], sizes: list[float]) -> bool:
+    """True where a Newton attempt is not worth more factorisations, judged from its residuals.
+
+    Whether they fall is told by their own sizes: where a stiff contact bears nearly all there is, relative ones stay
+    near one while the sizes go down to a quarter each time, as its depth halves. They pause where nodes lose touch.
+    """
     if history[-1] > DIVERGED * min(history):
         return True
-    if len(history) == 5:
-        return history[-1] > 0.3 * max(history[:2])
-    return len(history) > 6 and history[-1] > 0.1 * history[-3]
+    if len(sizes) == 5:
+        return sizes[-1] > 0.3 * max(sizes[:2])
+    return len(sizes) > 6 and sizes[-1] > 0.1 * sizes[-4]
