@@ -22,39 +22,47 @@ from kirigami.elements.bend_hinge import BendHingeKernel
 from kirigami.elements.natural import YIELDS_AND_DRIVEN
 from kirigami.errors import ModelError
 from kirigami.primitives.hardening import Hardening, flow
-from kirigami.primitives.kernel import Array
+from kirigami.primitives.kernel import Array, Kernel
 
 
-class YieldingBarKernel(BarKernel):
-    """Bars of one strain measure that yield; curves are in force over plastic strain. `history` is (n, 2): plastic
-    strain, and its accumulated size."""
+class YieldingKernel(Kernel):
+    """What bars and hinges that yield share, before the class of those that do not: the state of the flow (n, 2), which
+    is the plastic part and its accumulated size. `given` and `named` are what that class takes."""
 
     path_dependent = True
 
-    def __init__(
-        self,
-        rest: Array,
-        conn: NDArray[np.int64],
-        EA: Array,
-        rest_length: Array,
-        strain: str = "green",
-        law: str = "linear",
-        members: NDArray[np.int64] | None = None,
-        targets: Array | None = None,
-        mass_per_length: Array | None = None,
-        natural: Array | None = None,
-        *,
-        yields: Array,
-    ) -> None:
-        super().__init__(rest, conn, EA, rest_length, strain, law, members, targets, mass_per_length, natural)
+    def __init__(self, rest: Array, *given: Any, yields: Array, **named: Any) -> None:
+        super().__init__(rest, *given, **named)  # type: ignore[call-arg]
         self.hardening = Hardening.unpacked(yields)
-        self._state = np.zeros((len(conn), 2))
+        self._state = np.zeros((len(self.conn), 2))
 
     def arrays(self) -> dict[str, Any]:
         return {**super().arrays(), "yields": self.hardening.packed}
 
     def compiled(self) -> None:
         return None
+
+    def actuate(self, members: NDArray[np.int64], values: Array, constant: bool) -> None:
+        if not constant:
+            raise ModelError(YIELDS_AND_DRIVEN)
+        super().actuate(members, values, constant)  # type: ignore[misc]
+
+    def _flow(self, stiffness: Array, felt: Array) -> tuple[Array, Array, Array, Array]:
+        return flow(stiffness, self.hardening, felt, self._state[:, 0], self._state[:, 1])
+
+    def _potential(self, stiffness: Array, felt: Array) -> tuple[Array, Array, Array]:
+        """Energy, force and slope (n,) of the increment, per length of a bar."""
+        force, slope, plastic, accumulated = self._flow(stiffness, felt)
+        energy = 0.5 * force * (felt - plastic) + 0.5 * self.hardening.kinematic * plastic**2
+        return energy + self.hardening.dissipated(accumulated), force, slope
+
+    def plastic(self) -> Array:
+        return np.array(self._state[:, 1])
+
+
+class YieldingBarKernel(YieldingKernel, BarKernel):
+    """Bars of one strain measure that yield; curves are in force over plastic strain. `history` is (n, 2): plastic
+    strain, and its accumulated size."""
 
     @property
     def history(self) -> Array | None:
@@ -65,55 +73,20 @@ class YieldingBarKernel(BarKernel):
         self._state = np.zeros((len(self.conn), 2)) if value is None else np.array(value, dtype=float)
 
     def commit(self, x: Array) -> None:
-        _, _, plastic, accumulated = self._flow(self.beyond(self.deformation(x), 0.0))
+        _, _, plastic, accumulated = self._flow(self.EA, self.beyond(self.deformation(x), 0.0))
         self._state = np.stack([plastic, accumulated], axis=1)
 
-    def actuate(self, members: NDArray[np.int64], values: Array, constant: bool) -> None:
-        super().actuate(members, values, constant)
-        _refuse_drive(constant)
-
-    def _flow(self, strain: Array) -> tuple[Array, Array, Array, Array]:
-        return flow(self.EA, self.hardening, strain, self._state[:, 0], self._state[:, 1])
-
     def _law(self, strain: Array) -> tuple[Array, Array, Array]:
-        force, slope, plastic, accumulated = self._flow(strain)
-        energy = 0.5 * force * (strain - plastic) + 0.5 * self.hardening.kinematic * plastic**2
-        energy += self.hardening.dissipated(accumulated)
+        energy, force, slope = self._potential(self.EA, strain)
         return energy / self.EA, force / self.EA, slope / self.EA
-
-    def plastic(self) -> Array:
-        return np.array(self._state[:, 1])
 
     def dissipated(self, x: Array) -> Array:
         return self.rest_length * self.hardening.dissipated(self._state[:, 1])
 
 
-class YieldingHingeKernel(BendHingeKernel):
+class YieldingHingeKernel(YieldingKernel, BendHingeKernel):
     """Bending hinges that yield; curves are in moment over plastic angle. `history` is (n, 3): angle, plastic angle,
     and its accumulated size."""
-
-    path_dependent = True
-
-    def __init__(
-        self,
-        rest: Array,
-        conn: NDArray[np.int64],
-        stiffness: Array,
-        rest_angle: Array,
-        members: NDArray[np.int64] | None = None,
-        targets: Array | None = None,
-        *,
-        yields: Array,
-    ) -> None:
-        super().__init__(rest, conn, stiffness, rest_angle, members, targets)
-        self.hardening = Hardening.unpacked(yields)
-        self._state = np.zeros((len(conn), 2))
-
-    def arrays(self) -> dict[str, Any]:
-        return {**super().arrays(), "yields": self.hardening.packed}
-
-    def compiled(self) -> None:
-        return None
 
     @property
     def history(self) -> Array | None:
@@ -126,34 +99,17 @@ class YieldingHingeKernel(BendHingeKernel):
 
     def commit(self, x: Array) -> None:
         angle = self.deformation(x)
-        _, _, plastic, accumulated = self._flow(angle - self.rest_angle)
+        _, _, plastic, accumulated = self._flow(self.stiffness, angle - self.rest_angle)
         self._committed, self._state = angle, np.stack([plastic, accumulated], axis=1)
 
-    def actuate(self, members: NDArray[np.int64], values: Array, constant: bool) -> None:
-        super().actuate(members, values, constant)
-        _refuse_drive(constant)
-
-    def _flow(self, excess: Array) -> tuple[Array, Array, Array, Array]:
-        return flow(self.stiffness, self.hardening, excess, self._state[:, 0], self._state[:, 1])
-
     def _law(self, excess: Array) -> tuple[Array, Array, Array]:
-        moment, slope, plastic, accumulated = self._flow(excess)
-        energy = 0.5 * moment * (excess - plastic) + 0.5 * self.hardening.kinematic * plastic**2
-        return energy + self.hardening.dissipated(accumulated), moment, slope
+        return self._potential(self.stiffness, excess)
 
     def force(self, angle: Array) -> Array:
-        return self._flow(angle - self.rest_angle)[0]
+        return self._flow(self.stiffness, angle - self.rest_angle)[0]
 
     def force_at(self, deformation: Array, lam: float) -> Array:
         return self.force(deformation)
 
-    def plastic(self) -> Array:
-        return np.array(self._state[:, 1])
-
     def dissipated(self, x: Array) -> Array:
         return self.hardening.dissipated(self._state[:, 1])
-
-
-def _refuse_drive(constant: bool) -> None:
-    if not constant:
-        raise ModelError(YIELDS_AND_DRIVEN)

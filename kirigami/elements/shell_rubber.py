@@ -15,7 +15,6 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from kirigami.elements.shell_geometry import AREA_PLACES
 from kirigami.elements.shell_kernel import Answer, ShellFacetKernel
@@ -76,21 +75,8 @@ def membrane(modulus: Array, strain: Array) -> tuple[Array, Array, Array]:
 class RubberShellKernel(ShellFacetKernel):
     """All shell facets of a sheet of which some are rubber: those whose ``rubber`` (n,), E t, is not zero."""
 
-    def __init__(
-        self,
-        rest: Array,
-        conn: NDArray[np.int64],
-        section: Array,
-        forward: NDArray[np.bool_],
-        density: Array | None = None,
-        members: NDArray[np.int64] | None = None,
-        planes: Array | None = None,
-        natural: Array | None = None,
-        heat: Array | None = None,
-        *,
-        rubber: Array,
-    ) -> None:
-        super().__init__(rest, conn, section, forward, density, members, planes, natural, heat)
+    def __init__(self, rest: Array, *given: Any, rubber: Array, **named: Any) -> None:
+        super().__init__(rest, *given, **named)
         self.rubber = rubber
         self._own = np.flatnonzero(rubber > 0)
 

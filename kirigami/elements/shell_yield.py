@@ -79,23 +79,9 @@ class YieldingShellKernel(ShellFacetKernel):
     path_dependent = True
 
     def __init__(
-        self,
-        rest: Array,
-        conn: NDArray[np.int64],
-        section: Array,
-        forward: NDArray[np.bool_],
-        density: Array | None = None,
-        members: NDArray[np.int64] | None = None,
-        planes: Array | None = None,
-        natural: Array | None = None,
-        heat: Array | None = None,
-        *,
-        thickness: Array,
-        E: Array,
-        nu: Array,
-        yields: Array,
+        self, rest: Array, *given: Any, thickness: Array, E: Array, nu: Array, yields: Array, **named: Any
     ) -> None:
-        super().__init__(rest, conn, section, forward, density, members, planes, natural, heat)
+        super().__init__(rest, *given, **named)
         self.hardening = Hardening.unpacked(yields)
         self.layers = Layers(thickness, E, nu, self.hardening)
         self._facets = np.zeros(0, dtype=np.int64)  # those that have yielded, in their order
