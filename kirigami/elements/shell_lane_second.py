@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import math
-
 from kirigami.elements.shell_lane_rows import LANES
-from kirigami.elements.shell_loops import ALONG, FIRST, INWARD, SECOND, compiled
+from kirigami.elements.shell_loops import ALONG, FIRST, INWARD, SECOND, compiled, tension
 
 
 @compiled
@@ -132,14 +130,8 @@ def mean_second(pull, forms, tangent, exact, convexity, local):  # type: ignore[
             for g in range(6):
                 tx, ty = tangent[g // 2, 0, lane], tangent[g // 2, 1, lane]
                 m0, m1, m2 = m0 + pull[g, lane] * tx * tx, m1 + pull[g, lane] * ty * ty, m2 + pull[g, lane] * tx * ty
-            mean, half = 0.5 * (m0 + m1), 0.5 * (m0 - m1)
-            radius = math.hypot(half, m2)
-            high, low = max(mean + radius, 0.0), max(mean - radius, 0.0)
-            turn = 0.5 * (high - low) / radius if radius > 0.0 else 0.0
-            centre = 0.5 * (high + low)
-            n0 += convexity * (centre + turn * half)
-            n1 += convexity * (centre - turn * half)
-            n2 += convexity * turn * m2
+            m0, m1, m2 = tension(m0, m1, m2)
+            n0, n1, n2 = n0 + convexity * m0, n1 + convexity * m1, n2 + convexity * m2
         for p in range(5):
             for q in range(p + 1):
                 form = n0 * forms[0, p, q, lane] + n1 * forms[1, p, q, lane] + n2 * forms[2, p, q, lane]

@@ -26,41 +26,7 @@ from kirigami.elements.shell_lane_rows import (
     weigh_back,
 )
 from kirigami.elements.shell_lane_second import add_squares, edges_second, inside_second, mean_second
-from kirigami.elements.shell_loops import compiled
-
-
-@compiled
-def scatter(f, lane, local, stored, n, count, slots, full, place, target):  # type: ignore[no-untyped-def]
-    """Add the tangent of one facet, given by its vectors and angles, to the blocks of the system's rows."""
-    for z in range(15):
-        place[z] = 3 + z
-    for g in range(6):
-        place[15 + g] = 18 + 3 * (g // 2) + stored[g, f]
-    for y in range(21):
-        for z in range(y + 1):
-            value = local[y, z, lane]
-            full[place[y], place[z]] = value
-            full[place[z], place[y]] = value
-    for axis in range(3):
-        for z in range(3, 27):
-            full[axis, z] = -full[3 + axis, z] - full[6 + axis, z]
-    for axis in range(3):
-        for other in range(3):
-            full[axis, other] = -full[axis, 3 + other] - full[axis, 6 + other]
-    pair = 0
-    for i in range(9):
-        for j in range(i, 9):
-            slot = slots[pair * n + f]
-            pair += 1
-            if slot < count:
-                for k in range(3):
-                    for m in range(3):
-                        target[slot, k, m] += full[3 * i + k, 3 * j + m]
-            else:
-                slot -= count
-                for k in range(3):
-                    for m in range(3):
-                        target[slot, k, m] += full[3 * i + m, 3 * j + k]
+from kirigami.elements.shell_loops import compiled, scatter
 
 
 @compiled
@@ -68,7 +34,7 @@ def blocks(  # type: ignore[no-untyped-def]
     conn, x, u, all_rest, all_per_square, all_forms, all_stretch, all_couple, all_bend, all_second, rest_angle,
     rest_curvature, directors, edge, stored, all_scale, tangents, first, last, ahead, convexity, slots, target,
 ):  # fmt: skip
-    n, count = len(conn), len(target)
+    n = len(conn)
     exact, coupled = 1.0 - convexity, len(all_couple) > 0
     du, v = np.empty((5, 3, LANES)), np.empty((5, 3, LANES))
     normal, inward, tangent = np.empty((6, 3, LANES)), np.empty((6, 3, LANES)), np.empty((6, 3, LANES))
@@ -136,4 +102,4 @@ def blocks(  # type: ignore[no-untyped-def]
             inside_second(v, area_normal, dual, moment, second, local, work)
             edges_second((normal, inward, tangent, sizes), seen, moment, pull, per_square, local, work)
         for lane in range(min(LANES, n - f)):
-            scatter(f + lane, lane, local, stored, n, count, slots, full, place, target)
+            scatter(local[:, :, lane], stored[:, f + lane], f + lane, n, slots, full, place, target)

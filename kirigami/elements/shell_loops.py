@@ -316,6 +316,17 @@ def pull_ahead(  # type: ignore[no-untyped-def]
 
 
 @compiled
+def tension(n0, n1, n2):  # type: ignore[no-untyped-def]
+    """The part of membrane forces (xx, yy, xy) whose principal values are not negative."""
+    mean, half = 0.5 * (n0 + n1), 0.5 * (n0 - n1)
+    radius = math.hypot(half, n2)
+    high, low = max(mean + radius, 0.0), max(mean - radius, 0.0)
+    turn = 0.5 * (high - low) / radius if radius > 0.0 else 0.0
+    centre = 0.5 * (high + low)
+    return centre + turn * half, centre - turn * half, turn * n2
+
+
+@compiled
 def stretch_second(f, pull, per_square, forms, tangent, exact, convexity, form):  # type: ignore[no-untyped-def]
     """Form (5, 5) of the membrane forces, mixed with that of the mean tension alone."""
     form[:, :] = 0.0
@@ -330,14 +341,8 @@ def stretch_second(f, pull, per_square, forms, tangent, exact, convexity, form):
         for g in range(6):
             tx, ty = tangent[f, g // 2, 0], tangent[f, g // 2, 1]
             m0, m1, m2 = m0 + pull[g] * tx * tx, m1 + pull[g] * ty * ty, m2 + pull[g] * tx * ty
-        mean, half = 0.5 * (m0 + m1), 0.5 * (m0 - m1)
-        radius = math.hypot(half, m2)
-        high, low = max(mean + radius, 0.0), max(mean - radius, 0.0)
-        turn = 0.5 * (high - low) / radius if radius > 0.0 else 0.0
-        centre = 0.5 * (high + low)
-        n0 += convexity * (centre + turn * half)
-        n1 += convexity * (centre - turn * half)
-        n2 += convexity * turn * m2
+        m0, m1, m2 = tension(m0, m1, m2)
+        n0, n1, n2 = n0 + convexity * m0, n1 + convexity * m1, n2 + convexity * m2
     for p in range(5):
         for q in range(5):
             form[p, q] += n0 * forms[f, 0, p, q] + n1 * forms[f, 1, p, q] + n2 * forms[f, 2, p, q]
@@ -400,6 +405,43 @@ def angle_second(f, v, moment, director, rows, local):  # type: ignore[no-untype
 
 
 @compiled
+def scatter(local, stored, f, n, slots, full, place, target):  # type: ignore[no-untyped-def]
+    """Add the tangent of facet f of n, the lower half of `local` (21, 21) by its vectors and angles, to the blocks of
+    the system's rows. `stored` (6,) are the places of its angles; `full` (27, 27) of zeros and `place` (21,) are work
+    arrays."""
+    count = len(target)
+    for z in range(15):
+        place[z] = 3 + z
+    for g in range(6):
+        place[15 + g] = 18 + 3 * (g // 2) + stored[g]
+    for y in range(21):
+        for z in range(y + 1):
+            value = local[y, z]
+            full[place[y], place[z]] = value
+            full[place[z], place[y]] = value
+    for axis in range(3):
+        for z in range(3, 27):
+            full[axis, z] = -full[3 + axis, z] - full[6 + axis, z]
+    for axis in range(3):
+        for other in range(3):
+            full[axis, other] = -full[axis, 3 + other] - full[axis, 6 + other]
+    pair = 0
+    for i in range(9):
+        for j in range(i, 9):
+            slot = slots[pair * n + f]
+            pair += 1
+            if slot < count:
+                for k in range(3):
+                    for m in range(3):
+                        target[slot, k, m] += full[3 * i + k, 3 * j + m]
+            else:
+                slot -= count
+                for k in range(3):
+                    for m in range(3):
+                        target[slot, k, m] += full[3 * i + m, 3 * j + k]
+
+
+@compiled
 def blocks(  # type: ignore[no-untyped-def]
     conn, x, u, rest, per_square, forms, to_strain, to_curvature, second, section, area,
     rest_angle, rest_curvature, director, stored, scale, place_of, answers, sections, first, last, tangent, ahead,
@@ -407,7 +449,7 @@ def blocks(  # type: ignore[no-untyped-def]
 ):  # fmt: skip
     """Add the Hessian. Where `place_of` (n,) is given and not -1, the derivatives by the fields are those of `answers`
     (k, 18), and the tangent is that of `sections` (k, 3, 6, 6) at the points inside."""
-    n, count = len(conn), len(target)
+    n = len(conn)
     exact = 1.0 - convexity
     du, v = np.empty((5, 3)), np.empty((5, 3))
     r, b, fields, force = np.empty(9), np.empty(15), np.empty(18), np.empty(18)
@@ -481,34 +523,6 @@ def blocks(  # type: ignore[no-untyped-def]
         for m in range(18):
             for y in range(21):
                 weight = rows[m, y]
-                for z in range(21):
+                for z in range(y + 1):
                     local[y, z] += weight * stiff[m, z]
-        # From the vectors to the rows of the system.
-        for z in range(15):
-            place[z] = 3 + z
-        for g in range(6):
-            place[15 + g] = 18 + 3 * (g // 2) + stored[f, g]
-        full[:, :] = 0.0
-        for y in range(21):
-            for z in range(21):
-                full[place[y], place[z]] = local[y, z]
-        for axis in range(3):
-            for z in range(3, 27):
-                full[axis, z] = -full[3 + axis, z] - full[6 + axis, z]
-        for axis in range(3):
-            for other in range(3):
-                full[axis, other] = -full[axis, 3 + other] - full[axis, 6 + other]
-        pair = 0
-        for i in range(9):
-            for j in range(i, 9):
-                slot = slots[pair * n + f]
-                pair += 1
-                if slot < count:
-                    for k in range(3):
-                        for m in range(3):
-                            target[slot, k, m] += full[3 * i + k, 3 * j + m]
-                else:
-                    slot -= count
-                    for k in range(3):
-                        for m in range(3):
-                            target[slot, k, m] += full[3 * i + m, 3 * j + k]
+        scatter(local, stored[f], f, n, slots, full, place, target)
