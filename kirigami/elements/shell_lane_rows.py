@@ -83,6 +83,19 @@ def area_frames(v, normal, dual, first, second):  # type: ignore[no-untyped-def]
 
 
 @compiled
+def facing(normal, inward, tangent, seen, found):  # type: ignore[no-untyped-def]
+    """Parts (3, 6, LANES) of the directors `seen` (6, 3, LANES) along the normals, inwards and along the edges."""
+    for g in range(6):
+        for lane in range(LANES):
+            up = side = lean = 0.0
+            for axis in range(3):
+                up += seen[g, axis, lane] * normal[g, axis, lane]
+                side += seen[g, axis, lane] * inward[g, axis, lane]
+                lean += seen[g, axis, lane] * tangent[g, axis, lane]
+            found[0, g, lane], found[1, g, lane], found[2, g, lane] = up, side, lean
+
+
+@compiled
 def stretched(du, rest, per_square, forms, r, now, before):  # type: ignore[no-untyped-def]
     """The nine membrane measures r (9, LANES)."""
     for g in range(6):
@@ -105,9 +118,8 @@ def stretched(du, rest, per_square, forms, r, now, before):  # type: ignore[no-u
 
 
 @compiled
-def bent(v, frames, seen, turned, second, rest_angle, rest_curvature, scale, b):  # type: ignore[no-untyped-def]
+def bent(v, area_normal, faced, turned, second, rest_angle, rest_curvature, scale, b):  # type: ignore[no-untyped-def]
     """The fifteen bending measures b (15, LANES); `turned` (6, LANES) are the stored angles."""
-    area_normal, normal, inward = frames
     for q in range(3):
         for c in range(3):
             for lane in range(LANES):
@@ -121,11 +133,8 @@ def bent(v, frames, seen, turned, second, rest_angle, rest_curvature, scale, b):
                     b[3 * q + c, lane] += second[e, c, lane] * height
     for g in range(6):
         for lane in range(LANES):
-            up = side = 0.0
-            for axis in range(3):
-                up += seen[g, axis, lane] * normal[g, axis, lane]
-                side += seen[g, axis, lane] * inward[g, axis, lane]
-            angle = math.atan2(-side, up) - rest_angle[g, lane] - turned[g, lane] * scale[g, lane]
+            angle = math.atan2(-faced[1, g, lane], faced[0, g, lane]) - rest_angle[g, lane]
+            angle -= turned[g, lane] * scale[g, lane]
             b[9 + g, lane] = angle - TURN * np.rint(angle / TURN)
 
 
@@ -199,15 +208,11 @@ def bend_shares(v, dual, second, shares):  # type: ignore[no-untyped-def]
 
 
 @compiled
-def angle_rows(normal, inward, tangent, sizes, seen, levers, slides):  # type: ignore[no-untyped-def]
+def angle_rows(normal, inward, sizes, faced, levers, slides):  # type: ignore[no-untyped-def]
     """Derivatives of the angles: levers (6, 5, LANES) along the normal, and slides (6, 3, LANES) for ALONG."""
     for g in range(6):
         for lane in range(LANES):
-            up = side = lean = 0.0
-            for axis in range(3):
-                up += seen[g, axis, lane] * normal[g, axis, lane]
-                side += seen[g, axis, lane] * inward[g, axis, lane]
-                lean += seen[g, axis, lane] * tangent[g, axis, lane]
+            up, side, lean = faced[0, g, lane], faced[1, g, lane], faced[2, g, lane]
             size = lean / ((up * up + side * side) * sizes[0, g, lane])
             for axis in range(3):
                 slides[g, axis, lane] = size * (up * inward[g, axis, lane] - side * normal[g, axis, lane])

@@ -85,17 +85,13 @@ def inside_second(v, normal, dual, moment, second, local, work):  # type: ignore
 
 
 @compiled
-def edges_second(frames, seen, moment, pull, per_square, local, work):  # type: ignore[no-untyped-def]
+def edges_second(frames, faced, moment, pull, per_square, local, work):  # type: ignore[no-untyped-def]
     """Add the second derivatives of the angles, summed with their moments, and of the strains along the edges."""
     normal, inward, tangent, sizes = frames
     one, cross, two, left, right, _, _ = work
     for g in range(6):
         for lane in range(LANES):
-            up = side = lean = 0.0
-            for axis in range(3):
-                up += seen[g, axis, lane] * normal[g, axis, lane]
-                side += seen[g, axis, lane] * inward[g, axis, lane]
-                lean += seen[g, axis, lane] * tangent[g, axis, lane]
+            up, side, lean = faced[0, g, lane], faced[1, g, lane], faced[2, g, lane]
             square = up * up + side * side
             c = moment[9 + g, lane]
             length, reach, slant = sizes[0, g, lane], sizes[1, g, lane], sizes[2, g, lane]

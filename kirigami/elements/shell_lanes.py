@@ -19,6 +19,7 @@ from kirigami.elements.shell_lane_rows import (
     bend_shares,
     bent,
     edge_frames,
+    facing,
     gather,
     stretch_rows,
     stretched,
@@ -39,7 +40,8 @@ def blocks(  # type: ignore[no-untyped-def]
     du, v = np.empty((5, 3, LANES)), np.empty((5, 3, LANES))
     normal, inward, tangent = np.empty((6, 3, LANES)), np.empty((6, 3, LANES)), np.empty((6, 3, LANES))
     sizes, area_normal, dual = np.empty((3, 6, LANES)), np.empty((3, 3, LANES)), np.empty((2, 3, 3, LANES))
-    seen, turned, near, far = np.empty((6, 3, LANES)), np.empty((6, LANES)), np.empty((3, LANES)), np.empty((3, LANES))
+    seen, faced, turned = np.empty((6, 3, LANES)), np.empty((3, 6, LANES)), np.empty((6, LANES))
+    near, far = np.empty((3, LANES)), np.empty((3, LANES))
     r, b, y, z = np.empty((9, LANES)), np.empty((15, LANES)), np.empty((9, LANES)), np.empty((9, LANES))
     pull, moment = np.empty((9, LANES)), np.empty((15, LANES))
     shares, levers, slides = np.empty((9, 5, LANES)), np.empty((6, 5, LANES)), np.empty((6, 3, LANES))
@@ -64,7 +66,8 @@ def blocks(  # type: ignore[no-untyped-def]
         edge_frames(v, normal, inward, tangent, sizes, near, far)
         area_frames(v, area_normal, dual, near, far)
         stretched(du, rest, per_square, forms, r, near, far)
-        bent(v, (area_normal, normal, inward), seen, turned, second, rest_angle[batch], rest_curvature[batch], scale, b)
+        facing(normal, inward, tangent, seen, faced)
+        bent(v, area_normal, faced, turned, second, rest_angle[batch], rest_curvature[batch], scale, b)
         y[:], z[:], pull[:], moment[:] = 0.0, 0.0, 0.0, 0.0
         weigh(stretch, r, y)
         weigh(bend, b, z)
@@ -76,7 +79,7 @@ def blocks(  # type: ignore[no-untyped-def]
         # derivatives of the weighted measures, and their squares
         local[:] = 0.0
         bend_shares(v, dual, second, shares)
-        angle_rows(normal, inward, tangent, sizes, seen, levers, slides)
+        angle_rows(normal, inward, sizes, faced, levers, slides)
         stretch_rows(v, per_square, forms, stretch, rows, near)
         if coupled:
             rows[:, 15:] = 0.0
@@ -100,6 +103,6 @@ def blocks(  # type: ignore[no-untyped-def]
                 for lane in range(LANES):
                     moment[m, lane] *= exact
             inside_second(v, area_normal, dual, moment, second, local, work)
-            edges_second((normal, inward, tangent, sizes), seen, moment, pull, per_square, local, work)
+            edges_second((normal, inward, tangent, sizes), faced, moment, pull, per_square, local, work)
         for lane in range(min(LANES, n - f)):
             scatter(local[:, :, lane], stored[:, f + lane], f + lane, n, slots, full, place, target)
