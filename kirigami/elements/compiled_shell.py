@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from kirigami.elements import shell_lanes, shell_loops
+from kirigami.elements import shell_lanes, shell_loops, shell_sections
 from kirigami.elements.compiled_yield import CompiledLayers
 from kirigami.elements.shell_kernel import SHARE
 from kirigami.elements.shell_lane_rows import LANES
@@ -84,10 +84,9 @@ class CompiledShell:
         )  # fmt: skip
 
     def add_blocks(self, x: Configuration, lam: float, tangent: Tangent, slots: Index, blocks: Array) -> None:
-        ahead = np.empty((0, 9))
+        kernel, ahead = self._kernel, np.empty((0, 9))
         if tangent.ahead is not None:
             start, change = tangent.ahead
-            kernel = self._kernel
             u = np.ascontiguousarray(displacement_of(start, kernel.rest), dtype=float)
             curvature = np.ascontiguousarray(kernel.curvature(start)) if kernel.coupled else np.zeros((len(u), 3, 3))
             ahead = np.empty((len(kernel.conn), 9))
@@ -95,22 +94,27 @@ class CompiledShell:
                 kernel.conn, u, np.ascontiguousarray(change, dtype=float), self._rest, *self._membrane,
                 self._matrices[0], self._section[1], self._section[2], curvature, ahead,
             )  # fmt: skip
-        state, chart, convexity = self._state(x), self._kernel.chart.tangent, float(tangent.convexity)
-        own = self._answers(state, lam, True)
-        if len(own[0]):  # facets with sections of their own are taken one by one, and all others with them
-
-            def one_by_one(first: int, last: int, target: Array) -> None:
-                shell_loops.blocks(*state, *own, first, last, chart, ahead, convexity, slots, target)
-
-            self._side_by_side(one_by_one, len(self._kernel.conn), blocks)
-            return
-        kernel, u = self._kernel, state[2]
-        in_lanes = (kernel.conn, state[1], u, *self._lanes, kernel._directors, *self._of_edges, self._tangents)
+        state, convexity = self._state(x), float(tangent.convexity)
+        place, answers, sections = self._answers(state, lam, True)
+        in_lanes = (kernel.conn, state[1], state[2], *self._lanes, kernel._directors, *self._of_edges, self._tangents)
 
         def work(first: int, last: int, target: Array) -> None:
-            shell_lanes.blocks(*in_lanes, first, last, ahead, convexity, slots, target)
+            shell_lanes.blocks(*in_lanes, place, first, last, ahead, convexity, slots, target)
 
         self._side_by_side(work, len(self._tangents), blocks)
+        if not len(place):
+            return
+        facets = np.flatnonzero(place >= 0)  # in the order of their answers
+        second, _, area = self._section[:3]
+        described = (
+            facets, answers, sections, kernel.conn, state[2], self._rest, *self._membrane, *self._matrices, second,
+            area, state[-3], self._stored, self._scale,
+        )  # fmt: skip
+
+        def one_by_one(first: int, last: int, target: Array) -> None:
+            shell_sections.blocks(*described, first, last, kernel.chart.tangent, convexity, slots, target)
+
+        self._side_by_side(one_by_one, len(facets), blocks)
 
 
 class CompiledYieldingShell(CompiledShell):

@@ -33,8 +33,9 @@ from kirigami.elements.shell_loops import compiled, scatter
 @compiled
 def blocks(  # type: ignore[no-untyped-def]
     conn, x, u, all_rest, all_per_square, all_forms, all_stretch, all_couple, all_bend, all_second, rest_angle,
-    rest_curvature, directors, edge, stored, all_scale, tangents, first, last, ahead, convexity, slots, target,
+    rest_curvature, directors, edge, stored, all_scale, tangents, own, first, last, ahead, convexity, slots, target,
 ):  # fmt: skip
+    """Add the Hessian of all facets but those that answer by a law of their own: not -1 in `own` (n,), or none."""
     n = len(conn)
     exact, coupled = 1.0 - convexity, len(all_couple) > 0
     du, v = np.empty((5, 3, LANES)), np.empty((5, 3, LANES))
@@ -105,4 +106,5 @@ def blocks(  # type: ignore[no-untyped-def]
             inside_second(v, area_normal, dual, moment, second, local, work)
             edges_second((normal, inward, tangent, sizes), faced, moment, pull, per_square, local, work)
         for lane in range(min(LANES, n - f)):
-            scatter(local[:, :, lane], stored[:, f + lane], f + lane, n, slots, full, place, target)
+            if not len(own) or own[f + lane] < 0:
+                scatter(local[:, :, lane], stored[:, f + lane], f + lane, n, slots, full, place, target)
