@@ -295,7 +295,7 @@ def test_where_the_library_is_missing_it_is_said_how_to_get_it(monkeypatch):
     monkeypatch.setattr("kirigami.post.crossing.can_search", lambda: False)
     m = kg.Model.from_mesh(stacked(0.03), thickness=0.01, material=PET)
     m.add(kg.SelfContact())
-    with pytest.raises(kg.errors.AnalysisError, match=r"pip install 'kirigami\[contact\]'"):
+    with pytest.raises(kg.errors.AnalysisError, match=r"pip install 'kirigami-mechanics\[contact\]'"):
         kg.System(m)
 
 
