@@ -520,6 +520,16 @@ def test_the_band_of_a_force_curve_is_its_estimated_error(lifted: kg.Results) ->
     assert {*np.round(shaded[:, 1], 12)} == wanted
 
 
+def test_the_curve_of_a_stretched_sheet_has_its_band_unasked() -> None:
+    sheet = kg.Sheet(shapely.box(0, 0, 0.05, 0.1), (), 1e-4, kg.Material(E=2e9, nu=0.3))
+    res = kg.stretch(sheet, strain=0.002, accuracy="draft", max_edge=0.03)
+    ax = res.plot_curve()
+    assert "estimated error" in [text.get_text() for text in ax.get_legend().get_texts()]
+    shaded = ax.collections[0].get_paths()[0].vertices[:, 1]
+    assert shaded.max() == pytest.approx(res.drives[0].force(res)[-1] * (1 + res.error["force"][-1]))
+    assert not res.plot_curve(band=False).collections
+
+
 def test_gradient_is_drawn_per_area():
     """What each facet counts for its size; the scale is the same to both sides."""
     mesh = kg.TriMesh([[0, 0], [2, 0], [2, 1], [0, 1], [4, 0]], [[0, 1, 2], [0, 2, 3], [1, 4, 2]])

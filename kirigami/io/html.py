@@ -52,9 +52,10 @@ def to_html(
     """Write a page of its own: the sheet turns under the mouse, a slider runs the load, curves move along.
 
     Colours show height, stress, strain or stored energy as means round each node, with the jumps kept across folds and
-    cuts; the rest state lies beside it, and a click on a node draws its displacement. Everything lies in the file, the
-    drawing program too, all compressed: 10,000 nodes and 50 steps take about 4 MB. Positions are rounded to 1/65535 of
-    the extent, for looking only. Needs a browser of 2023 or later.
+    cuts; the rest state lies beside it, and a click on a node draws its displacement. Of sheets a band round the force,
+    the height and the open area is their estimated error, ``results.error``. Everything lies in the file, the drawing
+    program too, all compressed: 10,000 nodes and 50 steps take about 4 MB. Positions are rounded to 1/65535 of the
+    extent, for looking only. Needs a browser of 2023 or later.
 
     Parameters
     ----------
@@ -101,6 +102,7 @@ def to_html(
     if results.drives:
         motion, response = results.drives[0].titles(bool(results.units))
         head["main"], head["over"] = response, motion + " [%]" * (results.drives[0].kind == "ratio")
+    head["bands"] = _bands(results, head["curves"])
     stable = [None if step.negative is None else step.stable for step in results.steps]
     head["stable"], head["shown"] = stable, shown.tolist()
     page = importlib.resources.files("kirigami.io").joinpath("page.html").read_text(encoding="utf-8")
@@ -156,6 +158,26 @@ def titled_curves(results: Results, reactions: Mapping[str, Nodes] | None = None
         scaled = factors.get(name, 1.0) * values
         found[title] = [value if np.isfinite(value) else None for value in scaled.tolist()]
     return found
+
+
+def _bands(results: Results, drawn: Mapping[str, list[float | None]]) -> dict[str, list[float | None]]:
+    """Estimated errors of the curves by their titles, in the units of these; none of what is no sheet."""
+    try:
+        error = results.error
+    except AnalysisError:
+        return {}
+    si = bool(results.units)
+    titles = {TITLES[name] + f" [{SI_UNITS[name]}]" * si: name for name in ("height", "open_area")}
+    if results.drives:
+        titles[results.drives[0].titles(si)[1]] = "force"
+    bands: dict[str, list[float | None]] = {}
+    for title in drawn.keys() & titles.keys():
+        values = np.array(drawn[title], dtype=float)
+        # The force's error is a share of its value there, those of heights and areas of the largest on the path.
+        whole = np.abs(values) if titles[title] == "force" else np.nanmax(np.abs(values), initial=0.0)
+        band = error[titles[title]] * whole
+        bands[title] = [value if np.isfinite(value) else None for value in band.tolist()]
+    return bands
 
 
 def _contents(results: Results, shown: NDArray[np.int64]) -> tuple[dict[str, Any], bytes]:

@@ -5,12 +5,13 @@ from __future__ import annotations
 import copy
 import itertools
 from collections.abc import Iterable, Sequence
+from contextlib import nullcontext, suppress
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from kirigami.errors import ModelError
+from kirigami.errors import AnalysisError, ModelError
 from kirigami.plot import style
 from kirigami.primitives.checks import require_array, require_axis, require_boolean, require_choice
 from kirigami.units import unit_for
@@ -32,7 +33,7 @@ def plot_curve(
     label: str | None = None,
     color: Any = None,
     markers: bool = True,
-    band: bool = False,
+    band: bool | None = None,
 ) -> Any:
     """Draw the force curve: stable parts solid, unstable parts dashed, limit points marked.
 
@@ -58,8 +59,9 @@ def plot_curve(
         Colour of the curve; None takes the first that no curve on the axes has.
     markers : bool
         Whether to dot the stored steps.
-    band : bool
-        Whether to shade what the estimated error of the force leaves open, ``results.error["force"]``.
+    band : bool, optional
+        Whether to shade what the estimated error of the force leaves open, ``results.error["force"]``; None does so
+        round the force of a stretched sheet.
 
     Returns
     -------
@@ -102,7 +104,10 @@ def plot_curve(
         unit = " [N]" if results.units else ""
         up_label = "load factor" if nodes is None else "reaction" + f" along {axis}" * isinstance(axis, str) + unit
     firm = np.array([step.negative in (None, 0) for step in results.steps])
-    error = results.error["force"] if require_boolean(band, "band", "plot_curve") else None
+    shaded = drive is not None if band is None else require_boolean(band, "band", "plot_curve")
+    error = None
+    with nullcontext() if band else suppress(AnalysisError):  # no estimate of what is no sheet
+        error = results.error["force"] if shaded else None
     ax = style.new_axes((4.4, 3.2)) if ax is None else ax
     color = style.next_color(ax) if color is None else color
     if error is not None:

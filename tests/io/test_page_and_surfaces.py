@@ -79,6 +79,13 @@ def test_page_of_a_stretched_sheet_has_units_and_names(tmp_path: Path) -> None:
     assert head["fields"]["stress"]["title"] == "von Mises stress [MPa]"
     factor = head["fields"]["stress"]["high"] / plain["fields"]["stress"]["high"]
     assert factor == pytest.approx(1e-6) and head["fields"]["energy"]["title"].startswith("energy / area [")
+    bands = {"force of the grip [N]": "force", "open area of the cuts [m²]": "open_area"}
+    bands["height (largest less smallest z) [m]"] = "height"
+    assert set(head["bands"]) == set(bands)
+    for name, quantity in bands.items():
+        curve = np.abs(head["curves"][name])
+        share = np.array(head["bands"][name]) / (curve.max() if quantity != "force" else np.maximum(curve, 1e-300))
+        assert share[1:] == pytest.approx(res.error[quantity][1:])
 
 
 def test_page_stands_alone_and_escapes_its_title(strip: kg.Results, tmp_path: Path) -> None:
