@@ -28,7 +28,6 @@ from kirigami.units import unit_for
 
 LEVELS = 65535  # positions are stored in so many parts of the extent of each axis
 SHADES = 255  # colours in so many shades
-OUTLIERS = 99.5  # per cent of the values that the colours span, so that one sharp tip does not grey out the sheet
 TITLES = {
     "load_factor": "load factor",
     "height": "height (largest less smallest z)",
@@ -228,7 +227,8 @@ def _contents(results: Results, shown: NDArray[np.int64]) -> tuple[dict[str, Any
     blocks.append(_planes(lines))
     head["fields"] = {}
     for name, (values, where, kind) in fields.items():
-        smallest, largest = _span(values)
+        smallest, largest = (values.min(), values.max()) if parts is None else parts.span(values)
+        largest = largest if largest > smallest else smallest + (abs(smallest) or 1.0)
         shades = np.clip(np.round((values - smallest) / (largest - smallest) * SHADES), 0, SHADES).astype(np.uint8)
         blocks.append(np.diff(shades, axis=0, prepend=np.zeros_like(shades[:1])).tobytes())
         title, size = LABELS[name], 1.0
@@ -239,12 +239,6 @@ def _contents(results: Results, shown: NDArray[np.int64]) -> tuple[dict[str, Any
             title += f" [{of.replace('m2', 'm²')}]"
         head["fields"][name] = {"where": where, "low": smallest / size, "high": largest / size, "title": title}
     return head, b"".join(blocks)
-
-
-def _span(values: Array) -> tuple[float, float]:
-    finite = values[np.isfinite(values)]
-    low, high = (float(value) for value in np.percentile(finite, [100 - OUTLIERS, OUTLIERS])) if finite.size else (0, 1)
-    return (low, high) if high > low else (low, low + (abs(low) or 1.0))
 
 
 def _planes(integers: Iterable[Any]) -> bytes:

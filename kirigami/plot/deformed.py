@@ -34,6 +34,7 @@ LABELS = {
     "plastic strain": "plastic strain",
 }
 OF_SHEETS = ("stress", "plastic strain")
+PEAKED = ("stress", "plastic strain", "energy")  # at the tips of cuts, where colours leave out the highest values
 KINDS = {
     "height": "length", "displacement": "length", "energy": "energy per area", "force": "force", "stress": "stress",
 }  # fmt: skip
@@ -71,8 +72,9 @@ def plot_results(
         Mises', at the face where it is larger; for sheets that know their thickness and material), "plastic strain"
         (accumulated, where it is largest over the thickness of a sheet), for bar
         structures also "force" and "strain"; "none" for one plain colour; or one value per node, facet or bar (taken
-        as nodal where the numbers agree). By default height for sheets in space, displacement for sheets in the plane,
-        and force for bar structures.
+        as nodal where the numbers agree). Of stress, plastic strain and energy the highest values, of 0.5 % of the
+        area at the tips of cuts, share a colour, and the colour bar has a point. By default height for sheets in space,
+        displacement for sheets in the plane, and force for bar structures.
     edges : {"boundary", "all", "none"}
         Facet edges to draw on a sheet: free boundaries and cuts, every edge, or none.
     view : "top", "3d" or (elevation, azimuth), optional
@@ -133,7 +135,7 @@ def plot_results(
 def color_bar(picture: Picture, field: Field, place: Any, label: str | None = None) -> None:
     """The colour bar of a picture, with a unit where it is known."""
     text, kind = field.label if label is None else label, field.kind
-    bar = style.color_bar(picture.ax, picture.mappable, text, place)
+    bar = style.color_bar(picture.ax, picture.mappable, text, place, extend="max" if picture.peaked else "neither")
     if kind and picture.results.units and label is None:
         low, high = picture.mappable.get_clim()
         unit, factor = unit_for(max(abs(low), abs(high)), kind)
@@ -210,6 +212,12 @@ class Field:
         if self.key not in known:
             raise ModelError(f"color {color!r} is unknown: use one of {', '.join(known)}, or an array of values")
 
+    def span(self, values: Floats) -> tuple[float, float]:
+        """Smallest and largest value (...) that the colours tell apart."""
+        if self.key in PEAKED and self.sectors is not None and values.shape == self.sectors.node.shape:
+            return self.sectors.span(values[None])
+        return float(values.min()), float(values.max())
+
     @property
     def diverging(self) -> bool:
         return self.key in ("force", "strain")
@@ -277,6 +285,7 @@ class Picture:
             cmap = colormaps[cmap]
         self.mappable = ScalarMappable(Normalize(0, 1), cmap)
         self.symmetric = field.diverging
+        self.peaked = False  # whether there are values beyond the colours
         self.solid = style.is_solid(ax)
         self.mesh: TriMesh | None = results.mesh
         self.bars = field.cells
@@ -292,11 +301,13 @@ class Picture:
             self._artist = self._make_facets()
 
     def scale_colors(self, *values: Floats | None) -> None:
-        """Let the colours span all the values given."""
+        """Let the colours span the values given."""
         given = [part for part in values if part is not None and part.size]
         if not given:
             return
-        low, high = min(float(part.min()) for part in given), max(float(part.max()) for part in given)
+        low, high = np.array([self.field.span(part) for part in given]).T
+        low, high = float(low.min()), float(high.max())
+        self.peaked = high < max(float(part.max()) for part in given)
         if self.symmetric:
             high = max(abs(low), abs(high))
             low = -high

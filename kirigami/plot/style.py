@@ -243,10 +243,10 @@ def next_color(ax: Any) -> str:
     return next((color for color in CURVES if color not in used), INK)
 
 
-def color_bar(ax: Any, mappable: Any, label: str, place: Any = None) -> Any:
+def color_bar(ax: Any, mappable: Any, label: str, place: Any = None, extend: str = "neither") -> Any:
     """A slim colour bar without a frame, beside `ax` or on axes of its own."""
     where = {"ax": ax, "shrink": 0.6, "aspect": 22, "pad": 0.03} if place is None else {"cax": place}
-    bar = ax.figure.colorbar(mappable, label=label, **where)
+    bar = ax.figure.colorbar(mappable, label=label, extend=extend, **where)
     bar.outline.set_visible(False)
     bar.ax.tick_params(length=2.5)
     return bar

@@ -20,6 +20,7 @@ from kirigami.results.results import Results
 from kirigami.results.stress import sheet_stress
 
 Index = NDArray[np.int64]
+SHOWN = 0.995  # share of the area over which colours span: at the tip of a cut all grows with every refinement
 SHARP = np.radians(30.0)  # angle at rest from which an edge is a fold and no bend of the surface
 
 
@@ -44,6 +45,15 @@ class Sectors:
         weight = np.bincount(self.corner.ravel(), np.repeat(self._share, 3), len(self.node))
         rows = [np.bincount(self.corner.ravel(), np.repeat(row * self._share, 3), len(self.node)) for row in values]
         return np.array(rows).reshape(len(values), len(self.node)) / weight
+
+    def span(self, values: Array) -> tuple[float, float]:
+        """Smallest of values (s, k), and the one that `SHOWN` of the area stays below, of the area that has any."""
+        weight = np.bincount(self.corner.ravel(), np.repeat(self._share, 3), len(self.node))
+        held, weights = values.ravel(), np.tile(weight, len(values)) * (values.ravel() != 0)
+        order = np.argsort(held)
+        below = np.cumsum(weights[order])
+        high = held[order[min(int(np.searchsorted(below, SHOWN * below[-1])), len(held) - 1)]]
+        return float(held.min()), float(high)
 
     def over_facets(self, means: Array) -> Array:
         """Means (s, m) of the three corners of each facet."""
