@@ -31,7 +31,7 @@ class Factor(Protocol):
         ...
 
     def solve(self, rhs: Array) -> Array:
-        """Solution for one right-hand side (n,)."""
+        """Solution for one right-hand side (n,), or for some at once (n, k)."""
         ...
 
 
@@ -75,11 +75,13 @@ class CheckedFactor:
         raise NotImplementedError
 
     def _apply(self, rhs: Array) -> Array:
-        """The inverse times one right-hand side, unchecked."""
+        """The inverse times one right-hand side (n,), or some (n, k), unchecked."""
         raise NotImplementedError
 
     def solve(self, rhs: Array) -> Array:
-        """Solution for one right-hand side (n,)."""
+        """Solution for one right-hand side (n,), or for some at once (n, k), which costs less than one by one."""
+        if rhs.ndim == 2:
+            return self._solve_some(rhs)
         size = np.linalg.norm(rhs)
         if size == 0:
             return np.zeros_like(rhs)
@@ -97,6 +99,24 @@ class CheckedFactor:
                 "the stiffness matrix is singular to working precision: some motion is held by nothing, or by less "
                 "than the rounding of what holds the others, as the bending of a very thin sheet that is not level"
             )
+        return solution
+
+    def _solve_some(self, rhs: Array) -> Array:
+        """Solutions (n, k), each refined where it needs it; those that stay bad are looked into one by one."""
+        if self._pivoting is not None or rhs.shape[1] < 2:
+            return np.stack([self.solve(column) for column in rhs.T], axis=1) if rhs.size else rhs
+        with np.errstate(all="ignore"):
+            solution = self._apply(rhs)
+            residual = rhs - self.matrix @ solution
+            size, error = np.linalg.norm(rhs, axis=0), np.linalg.norm(residual, axis=0)
+            again = np.flatnonzero(~(error <= REFINE_ABOVE * size))
+            if again.size:
+                refined = solution[:, again] + self._apply(residual[:, again])
+                left = np.linalg.norm(rhs[:, again] - self.matrix @ refined, axis=0)
+                better = left < error[again]
+                solution[:, again[better]], error[again[better]] = refined[:, better], left[better]
+        for column in np.flatnonzero(~(error <= PIVOT_ABOVE * size)).tolist():
+            solution[:, column] = self.solve(rhs[:, column])
         return solution
 
     def _explained(self, rhs: Array, solution: Array) -> bool:

@@ -72,6 +72,8 @@ class _Search:
         self, stiffness: Any, mass: Any, null: Array, factorize: Factorize, is_held: Callable[[Array], bool] | None
     ) -> None:
         self.stiffness, self.mass, self.null, self.factorize = stiffness, mass, null, factorize
+        self.weight = mass.copy()  # without the zeros that give it the pattern of the stiffness
+        self.weight.eliminate_zeros()
         self.is_held = is_held
         weight = mass.diagonal()
         self.rank = int(np.count_nonzero(weight))
@@ -138,7 +140,7 @@ class _Search:
         shift = -SHIFTED * self.scale
         if factor is not None:  # the negative eigenvalue nearest to zero is the largest of the inverse turned over
             around = factor
-            space = KrylovSpace(lambda v: -around.solve(self.mass @ v), self.mass, self.null)
+            space = KrylovSpace(lambda v: -around.solve(self.weight @ v), self.weight, self.null)
             for _ in range(3):
                 space.grow()
             nearest = float(space.pairs(1)[0][0])
@@ -159,7 +161,7 @@ class _Search:
         """Eigenvalues above `shift` (ascending) and vectors, beside those of `avoid`."""
         if count < 1:
             return np.empty(0), self.null[:, :0]
-        space = KrylovSpace(lambda v: factor.solve(self.mass @ v), self.mass, avoid, seed)
+        space = KrylovSpace(lambda v: factor.solve(self.weight @ v), self.weight, avoid, seed)
         inverse, vectors = leading_pairs(space, count)
         return shift + 1.0 / inverse, vectors
 

@@ -27,7 +27,7 @@ class KrylovSpace:
     Parameters
     ----------
     operator : callable
-        Maps a vector (n,) to a vector (n,).
+        Maps vectors (n, k) to vectors (n, k).
     metric : sparse matrix, shape (n, n)
         Symmetric, positive semi-definite; where it is not definite, the operator must send its null vectors to zero.
     avoid : ndarray, shape (n, k)
@@ -40,27 +40,44 @@ class KrylovSpace:
         self._operator, self._metric = operator, metric
         self._avoid, self._metric_avoid = avoid, metric @ avoid
         n = metric.shape[0]
-        self._basis, self._metric_basis, self._images = (np.empty((n, 0)) for _ in range(3))
+        self.size = 0  # vectors in the basis
+        self._room = np.empty((2, 0, n))  # the basis and its images, vector by vector; made once as large as it gets
+        self._projected = np.empty((0, 0))
         start = np.random.default_rng(seed).normal(size=(n, min(BLOCK, n)))
-        self._next = self._new_directions(self._apply(self._clear(start)))
-
-    @property
-    def size(self) -> int:
-        """Vectors in the basis."""
-        return int(self._basis.shape[1])
+        self._next = self._new_directions(self._clear(self._operator(self._clear(start))))
 
     @property
     def complete(self) -> bool:
         """Whether the operator leads out of the space no more, so that its pairs are exact."""
         return bool(self._next.shape[1] == 0)
 
+    @property
+    def _basis(self) -> Array:
+        return self._room[0, : self.size].T
+
+    @property
+    def _images(self) -> Array:
+        return self._room[1, : self.size].T
+
+    def reserve(self, size: int) -> None:
+        """Make room for so many vectors, and a block more."""
+        if self._room.shape[1] < size + BLOCK:
+            room = np.empty((2, size + BLOCK, self._room.shape[2]))
+            room[:, : self.size] = self._room[:, : self.size]
+            self._room = room
+
     def grow(self) -> None:
         """One more block."""
         block, self._next = self._next, self._next[:, :0]
-        image = self._clear(self._apply(block))
-        self._basis = np.hstack([self._basis, block])
-        self._metric_basis = np.hstack([self._metric_basis, self._metric @ block])
-        self._images = np.hstack([self._images, image])
+        self.reserve(self.size)
+        before, self.size = self.size, self.size + block.shape[1]
+        image = self._clear(self._operator(block)) if block.size else block
+        self._room[0, before : self.size], self._room[1, before : self.size] = block.T, image.T
+        columns = self._basis.T @ (self._metric @ image)
+        projected = np.empty((self.size, self.size))
+        projected[:before, :before] = self._projected
+        projected[:, before:], projected[before:] = columns, columns.T
+        self._projected = projected
         self._next = self._new_directions(image)
 
     def pairs(self, count: int) -> tuple[Array, Array, Array]:
@@ -74,17 +91,15 @@ class KrylovSpace:
 
     def restart(self, count: int) -> None:
         """Keep the vectors of the largest Ritz values only."""
-        _, rows = self._ritz(count)
-        self._basis, self._images = self._basis @ rows, self._images @ rows
-        self._metric_basis = self._metric @ self._basis
+        values, rows = self._ritz(count)
+        kept = len(values)
+        for part in self._room:
+            part[:kept] = (part[: self.size].T @ rows).T
+        self.size, self._projected = kept, np.diag(values)
 
     def _ritz(self, count: int) -> tuple[Array, Array]:
-        projected = self._metric_basis.T @ self._images
-        values, rows = np.linalg.eigh(0.5 * (projected + projected.T))
+        values, rows = np.linalg.eigh(0.5 * (self._projected + self._projected.T))
         return values[::-1][:count], rows[:, ::-1][:, :count]
-
-    def _apply(self, vectors: Array) -> Array:
-        return np.stack([self._operator(vector) for vector in vectors.T], axis=1) if vectors.size else vectors
 
     def _clear(self, vectors: Array) -> Array:
         """`vectors` without what lies along those to be left out."""
@@ -92,13 +107,13 @@ class KrylovSpace:
 
     def _new_directions(self, vectors: Array) -> Array:
         """An orthonormal basis of what in `vectors` is new to the space, and nothing where that is only rounding."""
-        found = self._basis[:, :0]
+        found = np.empty((len(vectors), 0))
         for vector in vectors.T:
             size = _norm(self._metric, vector)
             for _ in range(3):
                 vector = self._clear(vector[:, None])[:, 0]
-                vector = vector - self._basis @ (self._metric_basis.T @ vector)
-                vector = vector - found @ (found.T @ (self._metric @ vector))
+                image = self._metric @ vector
+                vector = vector - self._basis @ (self._basis.T @ image) - found @ (found.T @ image)
                 length = _norm(self._metric, vector)
                 if not length > SPENT * size:
                     break
@@ -119,6 +134,7 @@ def leading_pairs(space: KrylovSpace, count: int) -> tuple[Array, Array]:
     new space to find more. Raises AnalysisError where they do not settle.
     """
     longest, best = 2 * count + 12 * BLOCK, float("inf")
+    space.reserve(longest)
     for _ in range(RESTARTS):
         while True:
             if space.size < longest:

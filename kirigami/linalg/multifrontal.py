@@ -261,27 +261,41 @@ class MultifrontalFactor(CheckedFactor):
         return self._negative
 
     def _apply(self, rhs: Array) -> Array:
-        from scipy.linalg.blas import dtrsv
         from scipy.linalg.lapack import dsytrs
 
+        triangular = _triangular if rhs.ndim == 1 else _triangular_of_some
         x = rhs[self._order]
         for front in self._fronts:
             own = x[front.start : front.end]
             if front.exchanges is None:
-                dtrsv(front.lower, own, lower=1, overwrite_x=1)
+                triangular(front.lower, own, False)
             if len(front.border):
-                x[front.border] -= own @ front.outer
+                x[front.border] -= front.outer.T @ own
         for front in reversed(self._fronts):
             own = x[front.start : front.end]
             if front.exchanges is not None:
-                own[...] = dsytrs(front.lower, front.exchanges, own, lower=1)[0].ravel()
+                own[...] = dsytrs(front.lower, front.exchanges, own, lower=1)[0].reshape(own.shape)
             if len(front.border):
                 own -= front.outer @ x[front.border]
             if front.exchanges is None:
-                dtrsv(front.lower, own, lower=1, trans=1, overwrite_x=1)
+                triangular(front.lower, own, True)
         solution = np.empty_like(x)
         solution[self._order] = x
         return solution
+
+
+def _triangular(lower: Array, x: Array, turned: bool) -> None:
+    """Solve with a lower triangular matrix, or the same turned over, in the place of x (n,)."""
+    from scipy.linalg.blas import dtrsv
+
+    dtrsv(lower, x, lower=1, trans=int(turned), overwrite_x=1)
+
+
+def _triangular_of_some(lower: Array, x: Array, turned: bool) -> None:
+    """The same in the place of x (n, k), rows side by side in memory."""
+    from scipy.linalg.blas import dtrsm
+
+    dtrsm(1.0, lower, x.T, side=1, lower=1, trans_a=int(not turned), overwrite_b=1)
 
 
 class _Front(NamedTuple):

@@ -56,4 +56,6 @@ class RslabFactor(CheckedFactor):
         return int(negative) if zero == 0 else SuperLUFactor(self.matrix).negative
 
     def _apply(self, rhs: Array) -> Array:
+        if rhs.ndim == 2:
+            return np.stack([self._apply(column) for column in rhs.T], axis=1)
         return np.asarray(self._factor.solve(np.ascontiguousarray(rhs)))

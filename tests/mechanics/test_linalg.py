@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib.util
+import weakref
 from itertools import pairwise
 
 import numpy as np
@@ -21,6 +22,7 @@ from kirigami.linalg import (
     nearby_factor,
 )
 from kirigami.linalg.dissection import dissect
+from kirigami.linalg.multifrontal import MultifrontalFactor
 from kirigami.linalg.threads import one_thread
 
 NAMES = [
@@ -71,6 +73,21 @@ def test_solution_and_inertia_against_dense_eigenvalues(name: str, shift: float)
     assert relative_error(matrix, factor.solve(rhs), rhs) < 1e-10
     assert factor.negative == np.count_nonzero(values < 0)
     assert factor.backend == name
+
+
+@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("shift", [0.0, 12.0])
+def test_some_right_hand_sides_at_once(name: str, shift: float) -> None:
+    """Columns solve as they do one by one, also none, only one, a zero one, and where pivots are exchanged."""
+    matrix = csc_matrix(grid(14, 11) - shift * identity(3 * 14 * 11))
+    factor = make_solver(name).factorize(matrix)
+    rhs = np.random.default_rng(3).normal(size=(matrix.shape[0], 5)) * [1.0, 1e-9, 0.0, 1e9, 1.0]
+    for count in (0, 1, 5):
+        some = factor.solve(rhs[:, :count])
+        assert some.shape == (matrix.shape[0], count)
+        for column in range(count):
+            one = factor.solve(rhs[:, column])
+            assert np.allclose(some[:, column], one, rtol=0, atol=1e-10 * np.abs(one).max())
 
 
 @pytest.mark.parametrize("name", NAMES)
@@ -210,6 +227,23 @@ def test_the_default_repeats_bit_by_bit() -> None:
     solver = make_solver()
     solver.factorize(matrix)
     assert np.array_equal(solver.factorize(matrix).solve(rhs), first)
+
+
+def test_a_smooth_path_keeps_two_factors_at_a_time(monkeypatch: pytest.MonkeyPatch) -> None:
+    """That of the last equilibrium and the one being made: factors are the largest things in memory. Where a buckle is
+    left downhill, a third one, of the state that was left."""
+    alive: weakref.WeakSet[MultifrontalFactor] = weakref.WeakSet()
+    most, make = [], MultifrontalFactor.__init__
+
+    def counted(factor: MultifrontalFactor, *given: object) -> None:
+        alive.add(factor)
+        most.append(len(alive))
+        make(factor, *given)
+
+    monkeypatch.setattr(MultifrontalFactor, "__init__", counted)
+    results = kg.DisplacementControl(slit_sheet().model, to=0.05).run()
+    assert len(most) == results.stats["factorizations"] > 10
+    assert max(most) <= (3 if results.stats["relaxations"] else 2) and np.mean(most) < 2.1
 
 
 def test_an_unknown_back_end_is_named(monkeypatch: pytest.MonkeyPatch) -> None:

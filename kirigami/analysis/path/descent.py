@@ -161,9 +161,11 @@ class _Descent(Iterate):
         """Factor of the tangent with just enough done to it for no pivot to be negative."""
         strategy = self.strategy
         factor = self.factor() if self.amount == 0 else self.factorize(self._raised())
-        while factor.negative and self.amount < strategy.most:
+        while (negative := factor.negative) and self.amount < strategy.most:
             grown = max(self.amount * strategy.growth, strategy.least)
-            self.amount = strategy.most if factor.negative > strategy.many else min(grown, strategy.most)
+            self.amount = strategy.most if negative > strategy.many else min(grown, strategy.most)
+            del factor  # so that the next one takes its place in memory
+            self.let_go()
             factor = self.factorize(self._raised())
         return factor
 

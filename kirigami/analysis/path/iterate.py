@@ -64,6 +64,7 @@ class Iterate:
         """Factor of the tangent; of the exact one, once the residual is small."""
         if self.relative < NEAR:
             self.ahead = None
+        self._taken = None  # let go before the next is made: factors are the largest things in memory
         blocks = self.blocks()
         self._taken = Stiffness(blocks, self.factorize(blocks), self.u, self.ahead)
         return self._taken.factor
@@ -82,8 +83,13 @@ class Iterate:
         if last is not None and near is not None:
             self._taken = Stiffness(blocks, near, last.u, last.ahead)
         else:
+            last = self._taken = None
             self._taken = Stiffness(blocks, self.factorize(blocks), self.u)
         return self._taken
+
+    def let_go(self) -> None:
+        """Forget the last tangent."""
+        self._taken = None
 
     def correct(self, factor: Factor) -> None:
         """One correction, shortened where it would turn a member too far."""

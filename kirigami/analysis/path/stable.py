@@ -74,6 +74,7 @@ class StableSteps(Steps):
                     self.loss = before.state.lam + share * increment
                     shorter = min(share * abs(increment) - 0.5 * least, reach)
                 increment = self._cut(before, sense * max(shorter, least))
+                del attempt, tangent  # and their factor with them
                 continue
             if tangent is not None and not unstable:  # a descent would only find it again
                 landed = attempt

@@ -55,9 +55,10 @@ def track(
                 found.stiffness = at.stiffness()
                 return found
             if iteration < FACTORS:
-                factor = at.factor()
-                at.correct(factor)
-                at.chords(factor, CHORDS)
+                fresh = at.factor()
+                at.correct(fresh)
+                at.chords(fresh, CHORDS)
+                del fresh  # so that the next one takes its place in memory
                 on_iteration()
     except SingularMatrixError as error:
         return ended(str(error))
