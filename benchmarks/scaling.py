@@ -12,7 +12,8 @@ Squares of the same staggered slits, more of them on a larger sheet, with about 
 system (lowering), tangent (assembly, pattern known), ordering (first factorisation less a later one), factorisation
 (pattern known), solution of one right-hand side, linear static analysis, four eigenmodes, and the first increments of
 stretching from flat (to a strain of 0.002 %, with an imperfection, in two increments at first), all in CPU seconds of
-one thread, so that other work on the machine matters little. The rows go to a table next to this script.
+one thread, so that other work on the machine matters little. The rows go to a table next to this script, each part as
+it is finished.
 """
 
 from __future__ import annotations
@@ -29,6 +30,11 @@ from typing import Any
 
 SIZES = [2_000, 5_000, 20_000, 50_000, 100_000]
 TABLE = Path(__file__).with_name("scaling.csv")
+COLUMNS = (
+    "mesh", "model", "system", "tangent", "residual", "ordering", "factorization", "solve", "nodes", "unknowns",
+    "solver", "linear static", "four modes", "first increments", "steps", "factorizations", "largest residual",
+    "peak MiB",
+)  # fmt: skip
 PARTS = {
     "ordering": ("ordering and plan, once", "#999999"),
     "factorization": ("one factorisation", "#0072b2"),
@@ -108,12 +114,19 @@ def measure(nodes: int, pull: float, stiffness: str = "plate") -> dict[str, floa
     cost |= measure_parts(m, timed)
     cost["solver"] += "" if stiffness == "plate" else f" {stiffness}"
     cost["ordering"] = round(cost["ordering"] - cost["factorization"], 5)
-    timed("linear static", lambda: kg.LinearStatic(m).run())
-    timed("four modes", lambda: kg.Eigen(m, n=4).run())
-    results = timed("first increments", lambda: kg.DisplacementControl(m, step=0.5).run())
-    cost["steps"], cost["factorizations"] = len(results) - 1, results.stats["factorizations"]
-    cost["largest residual"] = float(results.residual.max())
-    cost["peak MiB"] = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss // 1024
+    for part, analysis in (
+        ("linear static", kg.LinearStatic(m)),
+        ("four modes", kg.Eigen(m, n=4)),
+        ("first increments", kg.DisplacementControl(m, step=0.5)),
+    ):
+        results = timed(part, analysis.run)
+        if part == "first increments":
+            cost["steps"], cost["factorizations"] = len(results) - 1, results.stats["factorizations"]
+            cost["largest residual"] = float(results.residual.max())
+        del results
+        analysis.results = None
+        cost["peak MiB"] = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss // 1024
+        record(cost)
     return cost
 
 
@@ -121,7 +134,9 @@ def exponent(rows: list[dict[str, Any]], part: str, above: int = 4_000) -> float
     """Exponent of growth with the number of nodes, by least squares, over the sizes of at least 4,000."""
     import numpy as np
 
-    chosen = [row for row in rows if float(row["nodes"]) >= above]
+    chosen = [row for row in rows if float(row["nodes"]) >= above and row[part]]
+    if len(chosen) < 2:
+        return float("nan")
     nodes, seconds = (np.log([float(row[key]) for row in chosen]) for key in ("nodes", part))
     return float(np.polyfit(nodes, seconds, 1)[0])
 
@@ -135,7 +150,7 @@ def draw(rows: list[dict[str, Any]], path: str) -> None:
     nodes = [float(row["nodes"]) for row in rows]
     for part, (label, color) in PARTS.items():
         name = f"{label} ({exponent(rows, part):.2f})"
-        left.loglog(nodes, [float(row[part]) for row in rows], "o-", ms=4, color=color, label=name)
+        left.loglog(nodes, [float(row[part] or "nan") for row in rows], "o-", ms=4, color=color, label=name)
     left.set_xlabel("nodes")
     left.set_ylabel("CPU seconds, one thread")
     figure.legend(
@@ -167,7 +182,7 @@ def record(row: dict[str, Any]) -> None:
     kept = [old for old in table() if (old["nodes"], old["solver"]) != (str(row["nodes"]), row["solver"])]
     rows = sorted([*kept, row], key=lambda r: (r["solver"], float(r["nodes"])))
     with TABLE.open("w", newline="") as file:
-        writer = csv.DictWriter(file, list(row))
+        writer = csv.DictWriter(file, COLUMNS)
         writer.writeheader()
         writer.writerows(rows)
 
@@ -175,7 +190,6 @@ def record(row: dict[str, Any]) -> None:
 def main(arguments: list[str]) -> None:
     if arguments[:1] == ["--measure"]:
         row = measure(int(arguments[1]), float(arguments[2]), arguments[3])
-        record(row)
         print("  ".join(f"{key} {value}" for key, value in row.items()))
         return
     pull = arguments[arguments.index("--pull") + 1] if "--pull" in arguments else "2e-5"
