@@ -168,6 +168,12 @@ def test_choice_of_a_mesh_keeps_its_word() -> None:
     assert "expected" in str(choice) and f"take max_edge {choice.max_edge:.4g}" in str(choice)
 
 
+def test_an_error_that_cannot_be_met_is_told_with_the_figure_reached() -> None:
+    choice = kg.study.choose_mesh(beam, 0.06, error=1e-4, stiffness="facet", most=3)
+    assert not choice.reached and choice.errors[-1] > 1e-4
+    assert f"not reached, the last run is within {100 * choice.errors[-1]:.2g} %" in str(choice)
+
+
 def test_order_of_three_runs() -> None:
     h = np.array([1.0, 0.7, 0.4])
     for order in (0.5, 1.0, 2.0, 3.5):

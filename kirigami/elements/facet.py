@@ -34,6 +34,7 @@ from kirigami.elements.triangle import (
     membrane_stiffness,
     section_matrices,
     strain_from_edges,
+    warn_of_jumps,
     without_compression,
 )
 from kirigami.errors import ModelError
@@ -109,6 +110,8 @@ class Facet(ModelObject):
     def lower(cls, objects: Sequence[Facet], numbering: Numbering) -> list[Kernel]:
         corners = numbering.index(node for facet in objects for node in facet.nodes[:3]).reshape(-1, 3)
         check_areas("Facet", corners, numbering)
+        if numbering.mesh is None:  # else it was said of the mesh
+            warn_of_jumps("Facet", corners, np.array([facet.thickness for facet in objects]), numbering.rest, 2)
         groups: dict[int, list[int]] = {}
         for position, facet in enumerate(objects):
             groups.setdefault(len(facet.nodes), []).append(position)

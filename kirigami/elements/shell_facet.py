@@ -27,7 +27,7 @@ from kirigami.elements.crease import Crease, folded_pairs
 from kirigami.elements.shell_images import mirror_planes, plane_normals
 from kirigami.elements.shell_kernel import ShellFacetKernel
 from kirigami.elements.shell_rest import numbered_edges
-from kirigami.elements.triangle import check_areas
+from kirigami.elements.triangle import check_areas, warn_of_jumps
 from kirigami.errors import ModelError
 from kirigami.primitives.checks import require_array, require_instance, require_positive
 from kirigami.primitives.kernel import Array, Kernel
@@ -117,6 +117,9 @@ class ShellFacet(ModelObject):
             raise ModelError("ShellFacet bends, so it needs a model with dim=3; in a plane use stiffness='facet'")
         triangles = numbering.connectivity(objects)
         check_areas("ShellFacet", triangles, numbering)
+        if numbering.mesh is None:  # else it was said of the mesh
+            thickness = np.array([facet.thickness for facet in objects])
+            warn_of_jumps("ShellFacet", triangles, thickness, numbering.rest, 2)
         given = [facet.normals for facet in objects]
         folded = folded_pairs(numbering.objects.get(Crease, ()), numbering)
         numbering.edges = numbered_edges(numbering, triangles, given, folded)

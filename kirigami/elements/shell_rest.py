@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from kirigami.elements.loose_ends import warn_of_loose_ends
 from kirigami.elements.shell_bending import EdgeFrames
 from kirigami.elements.shell_geometry import EDGE_OF_POINT, Chart
 from kirigami.elements.shell_images import Images
@@ -108,6 +109,8 @@ def _check_folds(
             f"Crease: the edge from {numbering.describe(a)} to {numbering.describe(b)} has "
             f"{ahead[bad[0]] + back[bad[0]]} facet(s): a crease folds two facets, alike oriented, against each other"
         )
+    if numbering.mesh is None or not numbering.mesh.folds:  # else it was said of the mesh
+        warn_of_loose_ends("Crease", folded, ends[ahead + back == 1], numbering.rest, 2)
 
 
 def edge_bulges(

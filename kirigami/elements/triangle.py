@@ -7,14 +7,17 @@ bars coupled by the plane-stress matrix are a constant-strain triangle in natura
 
 from __future__ import annotations
 
+import warnings
+
 import numpy as np
 from numpy.typing import NDArray
 
-from kirigami.errors import ModelError
+from kirigami.errors import KirigamiWarning, ModelError
 from kirigami.primitives.kernel import Array
 from kirigami.primitives.parts import Numbering
 
 DEGENERATE = 1e-10  # least height of a facet over its longest edge
+JUMP = 100.0  # ratio of the thickness of neighbours from which on it is worth a warning
 STARTS, ENDS = (1, 2, 0), (2, 0, 1)  # corners that edge c leaves from and goes to
 
 
@@ -62,6 +65,32 @@ def check_areas(owner: str, corners: NDArray[np.int64], numbering: Numbering) ->
     if bad.size:
         first = ", ".join(numbering.describe(k) for k in corners[bad[0]].tolist())
         raise ModelError(f"{bad.size} {owner}(s) without area, the first on {first}: remove or remesh them")
+
+
+def warn_of_jumps(owner: str, corners: NDArray[np.int64], thickness: Array, rest: Array, stacklevel: int) -> None:
+    """Say where the thickness (n,) of facets with `corners` (n, 3) jumps by more than a factor `JUMP` at an edge."""
+    if not thickness.size or thickness.max() <= JUMP * thickness.min():
+        return
+    ends = np.sort(np.stack([corners, np.roll(corners, -1, axis=1)], axis=2).reshape(-1, 2), axis=1)
+    edge = np.unique(ends, axis=0, return_inverse=True)[1].ravel()
+    order = np.argsort(edge, kind="stable")
+    same = edge[order[1:]] == edge[order[:-1]]
+    one, other = order[:-1][same] // 3, order[1:][same] // 3
+    if not len(one):
+        return
+    ratio = np.maximum(thickness[one], thickness[other]) / np.minimum(thickness[one], thickness[other])
+    worst = int(np.argmax(ratio))
+    if ratio[worst] > JUMP:
+        first, second = one[worst], other[worst]
+        place = rest[corners[first]].mean(axis=0)
+        place = place[:2] if not place[2:].any() else place
+        warnings.warn(
+            f"{owner}: the thickness jumps at ({', '.join(f'{c:.6g}' for c in place)}) from {thickness[first]:.4g} to "
+            f"{thickness[second]:.4g}, by a factor of {ratio[worst]:.4g}: is that a unit of length? A part so much "
+            "thicker is rigid beside the other, and digits are lost",
+            KirigamiWarning,
+            stacklevel=stacklevel,
+        )
 
 
 def membrane_stiffness(to_strain: Array, area: Array, thickness: Array, E: Array, nu: Array) -> Array:

@@ -53,11 +53,11 @@ class KrylovSpace:
 
     @property
     def _basis(self) -> Array:
-        return self._room[0, : self.size].T
+        return np.asarray(self._room[0, : self.size].T)
 
     @property
     def _images(self) -> Array:
-        return self._room[1, : self.size].T
+        return np.asarray(self._room[1, : self.size].T)
 
     def reserve(self, size: int) -> None:
         """Make room for so many vectors, and a block more."""

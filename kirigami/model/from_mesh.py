@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from kirigami.elements.bar import Bar
 from kirigami.elements.bend_hinge import BendHinge
 from kirigami.elements.crease import Crease, score_stiffness
+from kirigami.elements.loose_ends import warn_of_loose_ends
 from kirigami.elements.mesh_bias import MeshBias
 from kirigami.elements.stiffness import ALIASES, Calibration, SheetConstants, bar_stiffness, hinge_stiffness
 from kirigami.errors import KirigamiWarning, ModelError
@@ -49,6 +50,9 @@ def sheet_parts(
     calibration = Calibration.named(stiffness, one)
     nodes = [Node(*position) for position in mesh.nodes.tolist()] if nodes is None else nodes
     rung = ALIASES.get(stiffness, stiffness) if isinstance(stiffness, str) else "calibration"
+    if mesh.folds and dim == 3:
+        folded, rim = np.concatenate([fold.edges for fold in mesh.folds]), mesh.edges[mesh.edge_facets[:, 1] < 0]
+        warn_of_loose_ends("Model.from_mesh", folded, rim, mesh.nodes, 4)
     constants = SheetConstants(calibration, height, made_of, rung)
     if rung != "shell":
         _check_isotropic(constants)

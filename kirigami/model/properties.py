@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from kirigami.errors import KirigamiWarning, ModelError
+from kirigami.elements.triangle import warn_of_jumps
+from kirigami.errors import ModelError
 from kirigami.geometry.mesh import TriMesh
 from kirigami.primitives.checks import (
     require_array,
@@ -21,7 +21,6 @@ from kirigami.primitives.checks import (
 from kirigami.primitives.kernel import Array
 from kirigami.primitives.material import SheetMaterial
 
-JUMP = 100.0  # ratio of the thickness of neighbours from which on it is worth a warning
 Index = NDArray[np.int64]
 
 Thickness = ArrayLike | Mapping[Any, float] | Callable[[Array, Array, Array], ArrayLike] | None
@@ -132,7 +131,7 @@ def _thickness(
         with np.errstate(over="ignore", invalid="ignore"):
             if stiffest and not np.isfinite(material.section(stiffest)).all():
                 raise ModelError(f"{owner}: the bending stiffness of thickness {stiffest:g} overflows")
-    _warn_of_jumps(mesh, heights, owner)
+    warn_of_jumps(owner, mesh.triangles, heights, mesh.nodes, stacklevel=5)
     return heights
 
 
@@ -171,19 +170,3 @@ def _centres(mesh: TriMesh) -> Array:
 def _at(mesh: TriMesh, facet: int) -> str:
     x, y, z = _centres(mesh)[:, facet].tolist()
     return f"at ({x:.6g}, {y:.6g})" if z == 0 else f"at ({x:.6g}, {y:.6g}, {z:.6g})"
-
-
-def _warn_of_jumps(mesh: TriMesh, heights: Array, owner: str) -> None:
-    if heights.max() <= JUMP * heights.min():
-        return
-    left, right = mesh.edge_facets[mesh.edge_facets[:, 1] >= 0].T
-    ratio = np.maximum(heights[left], heights[right]) / np.minimum(heights[left], heights[right])
-    worst = int(np.argmax(ratio))
-    if ratio[worst] > JUMP:
-        warnings.warn(
-            f"{owner}: the thickness jumps {_at(mesh, int(left[worst]))} from {heights[left[worst]]:.4g} to "
-            f"{heights[right[worst]]:.4g}, by a factor of {ratio[worst]:.4g}: is that a unit of length? A part so much "
-            "thicker is rigid beside the other, and digits are lost",
-            KirigamiWarning,
-            stacklevel=5,
-        )

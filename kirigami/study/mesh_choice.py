@@ -144,7 +144,8 @@ class MeshChoice:
             lines.append(f"{100 * self.error:g} % in {name}: take {size}")
         else:
             lines.append(
-                f"{100 * self.error:g} % in {name}: not reached; start again from max_edge {last.max_edge:.4g}"
+                f"{100 * self.error:g} % in {name}: not reached, the last run is within {100 * self.errors[-1]:.2g} %; "
+                f"start again from max_edge {last.max_edge:.4g}"
             )
         return "\n".join(lines)
 

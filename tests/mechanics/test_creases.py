@@ -1,5 +1,7 @@
 """Creases that end inside a sheet, and what shell facets refuse of a mesh, each with its place."""
 
+import warnings
+
 import numpy as np
 import pytest
 import shapely
@@ -39,6 +41,36 @@ def test_a_crease_may_end_inside_the_sheet():
     assert whole < soft < free < 10 * whole and soft < through
     # a crease right through is a hinge in series: it turns by the moment of the load, which is 0.5 away
     assert through - whole == pytest.approx(1e-3 * 0.5**2 / (0.1 * E * T**3), rel=0.03)
+
+
+@pytest.mark.parametrize("rung", ["plate", "facet", "shell"])
+def test_a_fold_that_ends_inside_is_told_with_its_place(rung):
+    """Creases by hand and folds of a mesh, on every rung; ends at a rim, a cut or another fold are none."""
+    model, _ = cantilever(0.52, 1.0)
+    with pytest.warns(kg.KirigamiWarning, match=r"Crease: 1 end\(s\) of folds lie inside the sheet, .* \(0.5, 0.4"):
+        kg.System(model)
+
+    def folded(*lines):
+        cut = shapely.LineString([(0.5, 0.2), (0.5, 0.5)])
+        sheet = kg.Sheet(shapely.box(0, 0, 1, 1), cut, T, kg.Material(E), folds=[kg.Fold(line) for line in lines])
+        with warnings.catch_warnings():
+            warnings.filterwarnings("ignore", message="the mesh is biased")
+            kg.Model.from_mesh(sheet.mesh(0.25), stiffness=rung)
+
+    with pytest.warns(kg.KirigamiWarning, match=r"Model.from_mesh: 1 end\(s\) of folds lie inside .* \(0.2, 0.7\)"):
+        folded([(0.2, 0.7), (1.0, 0.7)])
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        folded([(0.0, 0.7), (1.0, 0.7)], [(0.5, 0.5), (0.5, 0.7)])
+
+
+def test_a_thickness_that_jumps_between_facets_by_hand_is_told_with_its_place():
+    for kind in (kg.Facet, kg.ShellFacet):
+        model = kg.Model()
+        a, b, c, d = model.add(*(kg.Node(*place) for place in ((0, 0), (1, 0), (1, 1), (0, 1))))
+        model.add(kind(a, b, c, 1e-4, kg.Material(E)), kind(a, c, d, 0.02, kg.Material(E)))
+        with pytest.warns(kg.KirigamiWarning, match=rf"^{kind.__name__}: the thickness jumps at \(0.6.*factor of 200"):
+            kg.System(model)
 
 
 def test_a_crease_that_ends_inside_folds_a_sheet_into_a_cone():
