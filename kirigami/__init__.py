@@ -54,9 +54,10 @@ _HOME = {
     "Numbering": "primitives.parts",
     "Contact": "effects.contact",
     "SelfContact": "effects.self_contact",
-    "Plane": "effects.contact",
-    "Cylinder": "effects.contact",
-    "Sphere": "effects.contact",
+    "Moving": "effects.surfaces",
+    "Plane": "effects.surfaces",
+    "Cylinder": "effects.surfaces",
+    "Sphere": "effects.surfaces",
     "Spring": "effects.spring",
     "check_kernel": "primitives.check_kernel",
     "Sheet": "geometry.sheet",
@@ -122,11 +123,12 @@ if TYPE_CHECKING:
     from kirigami.design.inverse import Inverse as Inverse
     from kirigami.effects.angle_limit import AngleLimit as AngleLimit
     from kirigami.effects.contact import Contact as Contact
-    from kirigami.effects.contact import Cylinder as Cylinder
-    from kirigami.effects.contact import Plane as Plane
-    from kirigami.effects.contact import Sphere as Sphere
     from kirigami.effects.self_contact import SelfContact as SelfContact
     from kirigami.effects.spring import Spring as Spring
+    from kirigami.effects.surfaces import Cylinder as Cylinder
+    from kirigami.effects.surfaces import Moving as Moving
+    from kirigami.effects.surfaces import Plane as Plane
+    from kirigami.effects.surfaces import Sphere as Sphere
     from kirigami.elements import stiffness as stiffness
     from kirigami.elements.bar import Bar as Bar
     from kirigami.elements.bend_hinge import BendHinge as BendHinge

@@ -45,7 +45,7 @@ def test_energy_force_and_stiffness_belong_together(name: str, depth: float) -> 
     kernel = _kernel(_two_nodes(SURFACES[name], stiffness=STIFFNESS, layer=LAYER)[0])
     x = kernel.rest.copy()
     for _ in range(3):  # put both nodes at the given depth below the start of the layer
-        gap, direction, _ = kernel._distance(x)
+        gap, direction, _ = kernel.distance(kernel.places_of(x))
         x = x + (LAYER - depth - gap)[:, None] * direction
     errors = kg.check_kernel(kernel, x, step=1e-5)
     assert max(errors["gradient"], errors["hessian"]) < 1e-6
@@ -212,7 +212,7 @@ def test_sheet_bent_round_a_cylinder() -> None:
     assert below < 1 / outside < above
     # Balance: the load, the clamp's shear and the drum.
     total = res.reaction(clamped)[-1]
-    _, direction, _ = _kernel(m)._distance(res.position()[-1])
+    _, direction = _kernel(m).normals(res.position()[-1], 1.0)
     total = total + (normal_forces(res)[-1][:, None] * direction).sum(axis=0)
     assert total[[0, 2]] == pytest.approx([0, pull * width], abs=1e-6 * pull * width)
 
@@ -228,7 +228,7 @@ def test_sheet_draped_over_a_ball_and_lifted_off_again() -> None:
     down = kg.DisplacementControl(m).run()
     touching = (normal_forces(down) > 0).sum(axis=1)
     assert touching[0] == 0 and touching[-1] > 3
-    direction = _kernel(m)._distance(down.position()[-1])[1]
+    direction = _kernel(m).normals(down.position()[-1], 1.0)[1]
     upwards = (normal_forces(down)[-1] * direction[:, 2]).sum()
     assert down.reaction(edge, "z")[-1] == pytest.approx(-upwards, rel=1e-5)
     kernel = _kernel(m)

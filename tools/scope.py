@@ -27,7 +27,7 @@ ROOT = Path(__file__).resolve().parent.parent
 PAGE, PRICES = ROOT / "docs" / "scope.md", ROOT / "benchmarks" / "results" / "effect_price.csv"
 COLUMNS = ("plane", *kg.stiffness.RUNGS)  # "plane" is "plate" with dim=2
 THICKNESS, E, NU, DENSITY = 0.02, 1e6, 0.3, 1.2
-PLAIN = kg.Material(E, NU, density=DENSITY)
+PLAIN = kg.Material(E, NU, density=DENSITY, expansion=1e-5)
 
 Adds = Callable[[kg.Model], Any]
 
@@ -66,6 +66,11 @@ def on_floor(m: kg.Model, friction: float) -> kg.Contact:
     return kg.Contact(m.nodes, floor, friction=friction)
 
 
+def on_belt(m: kg.Model) -> kg.Contact:
+    floor = kg.Plane((0, 0), (0, 1)) if m.dim == 2 else kg.Plane()
+    return kg.Contact(m.nodes, kg.Moving(floor, shift=(0.1, 0)), friction=0.3)
+
+
 # What is added to a model: name of the class, what is said of it, and the object on a sheet.
 ADDED: list[tuple[str, str, Adds]] = [
     ("Bar", "", lambda m: kg.Bar(*pair(m), EA=100.0)),
@@ -90,8 +95,10 @@ ADDED: list[tuple[str, str, Adds]] = [
     ("FlowPressure", "", lambda m: kg.FlowPressure(0.1)),
     ("Actuate", "a strain", lambda m: kg.Actuate(strain=(0.01, 0.01, 0))),
     ("Actuate", "a curvature", lambda m: kg.Actuate(curvature=(0.5, 0, 0))),
+    ("Actuate", "heat", lambda m: kg.Actuate(heat=10.0)),
     ("Contact", "", lambda m: on_floor(m, 0.0)),
     ("Contact", "with friction", lambda m: on_floor(m, 0.3)),
+    ("Contact", "on a surface that moves", on_belt),
     ("SelfContact", "", lambda m: kg.SelfContact()),
     ("AngleLimit", "", lambda m: kg.AngleLimit(left(m)[0], inner(m)[0], right(m)[0], 1.0, minimum=0.1)),
     ("Spring", "", lambda m: kg.Spring(m.nodes, 1.0)),

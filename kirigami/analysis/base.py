@@ -98,10 +98,9 @@ class Run:
                     f"start does not satisfy the constraints at load factor {lam:.6g} (off by {error:.3g}): "
                     "after changing supports call model.hold(step), which keeps what the earlier stage drove"
                 )
-            system.history = start.history
         q = system.unknowns(u)
-        if start is not None and not any(value is not None for value in start.history):
-            system.commit(system.displacement(q, lam))
+        if start is not None:
+            system.go_on_from(start.history, system.displacement(q, lam), lam, start.stage != system.model.stage)
         system.check_start(system.displacement(q, lam))
         return q, lam
 

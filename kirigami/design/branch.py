@@ -86,7 +86,7 @@ class Branch:
             self.factorizations += state.factorizations
             if state.negative > old.negative or system.largest_rotation(state.u - old.u) > LEAP:
                 return None
-            system.commit(state.u)
+            system.commit(state.u, state.lam)
             found.append(state)
         return found
 

@@ -28,16 +28,12 @@ from dataclasses import dataclass
 from typing import Any, ClassVar
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
+from kirigami.effects.surfaces import Cylinder, Moving, Plane, Sphere
 from kirigami.errors import ModelError
 from kirigami.moved import forward
-from kirigami.primitives.checks import (
-    require_array,
-    require_instance,
-    require_not_negative,
-    require_positive,
-)
+from kirigami.primitives.checks import require_finite, require_instance, require_not_negative, require_positive
 from kirigami.primitives.kernel import EXACT, Array, Contribution, Kernel, Tangent
 from kirigami.primitives.node import Node, listed
 from kirigami.primitives.parts import ModelObject, Numbering
@@ -45,115 +41,6 @@ from kirigami.primitives.parts import ModelObject, Numbering
 STIFFER = 100.0  # default stiffness over the largest that an element gives the node at rest
 LAYER = 1e-3  # default layer over the median distance of the nodes from their neighbours
 TOUCHING = 1e-9  # of the size of the model: distance at rest that counts as zero
-
-
-def _vector(value: ArrayLike, name: str, owner: str) -> tuple[float, float, float]:
-    vector = require_array(value, (2,), (3,), name=name, owner=owner)
-    x, y, z = np.append(vector, 0.0)[:3].tolist()
-    return x, y, z
-
-
-def _direction(value: ArrayLike, name: str, owner: str) -> tuple[float, float, float]:
-    vector = np.array(_vector(value, name, owner))
-    length = float(np.linalg.norm(vector))
-    if length == 0:
-        raise ModelError(f"{owner}: {name} must not be zero")
-    x, y, z = (vector / length).tolist()
-    return x, y, z
-
-
-@dataclass(frozen=True, init=False)
-class Plane:
-    """A rigid plane; bodies stay on the side of its normal.
-
-    Parameters
-    ----------
-    point : array_like, shape (2,) or (3,)
-        A point of the plane [length].
-    normal : array_like, shape (2,) or (3,)
-        Normal towards the bodies; any length.
-
-    Raises
-    ------
-    ModelError
-        A vector that is not finite, or a normal of no length.
-
-    Examples
-    --------
-    >>> Plane((0, 0, -1), normal=(0, 0, 2))
-    Plane(point=(0.0, 0.0, -1.0), normal=(0.0, 0.0, 1.0))
-    """
-
-    point: tuple[float, float, float]
-    normal: tuple[float, float, float]
-
-    def __init__(self, point: ArrayLike = (0, 0, 0), normal: ArrayLike = (0, 0, 1)) -> None:
-        object.__setattr__(self, "point", _vector(point, "point", "Plane"))
-        object.__setattr__(self, "normal", _direction(normal, "normal", "Plane"))
-
-
-@dataclass(frozen=True, init=False)
-class Cylinder:
-    """A rigid cylinder without ends; bodies stay outside.
-
-    Parameters
-    ----------
-    point : array_like, shape (2,) or (3,)
-        A point of the axis [length].
-    axis : array_like, shape (3,)
-        Direction of the axis; any length. In a model with dim=2 only (0, 0, 1).
-    radius : float
-        Radius [length].
-
-    Raises
-    ------
-    ModelError
-        A vector that is not finite, an axis of no length, a radius that is not positive.
-
-    Examples
-    --------
-    >>> Cylinder((0, 0, -2), axis=(0, 3, 0), radius=2)
-    Cylinder(point=(0.0, 0.0, -2.0), axis=(0.0, 1.0, 0.0), radius=2.0)
-    """
-
-    point: tuple[float, float, float]
-    axis: tuple[float, float, float]
-    radius: float
-
-    def __init__(self, point: ArrayLike, axis: ArrayLike, radius: float) -> None:
-        object.__setattr__(self, "point", _vector(point, "point", "Cylinder"))
-        object.__setattr__(self, "axis", _direction(axis, "axis", "Cylinder"))
-        object.__setattr__(self, "radius", require_positive(radius, "radius", "Cylinder"))
-
-
-@dataclass(frozen=True, init=False)
-class Sphere:
-    """A rigid sphere, in a model with dim=2 a circle; bodies stay outside.
-
-    Parameters
-    ----------
-    center : array_like, shape (2,) or (3,)
-        Centre [length].
-    radius : float
-        Radius [length].
-
-    Raises
-    ------
-    ModelError
-        A centre that is not finite, a radius that is not positive.
-
-    Examples
-    --------
-    >>> Sphere((0, 0, -2), radius=2)
-    Sphere(center=(0.0, 0.0, -2.0), radius=2.0)
-    """
-
-    center: tuple[float, float, float]
-    radius: float
-
-    def __init__(self, center: ArrayLike, radius: float) -> None:
-        object.__setattr__(self, "center", _vector(center, "center", "Sphere"))
-        object.__setattr__(self, "radius", require_positive(radius, "radius", "Sphere"))
 
 
 @dataclass(frozen=True, slots=True, eq=False, init=False)
@@ -167,8 +54,8 @@ class Contact(ModelObject):
     ----------
     nodes : Node or sequence of Node
         The nodes that may touch.
-    surface : Plane, Cylinder or Sphere
-        The rigid surface.
+    surface : Plane, Cylinder, Sphere or Moving
+        The rigid surface, or one that moves.
     offset : float
         Distance the nodes keep from the surface, such as half the thickness of a sheet [length].
     stiffness : float, optional
@@ -178,7 +65,8 @@ class Contact(ModelObject):
         thousandth of the median length of the bars at the nodes.
     friction : float
         Coefficient of friction (Coulomb): a node is held back by at most this times the force that presses it, and
-        slips by up to the layer before it slides. The force that presses is that of the last equilibrium.
+        slips by up to the layer before it slides. The force that presses is that of the last equilibrium. Results
+        tell by ``force("friction")`` and, as shares of the limit, ``deformation("friction")``: at length 1 it slides.
 
     Raises
     ------
@@ -204,7 +92,7 @@ class Contact(ModelObject):
 
     kind: ClassVar[str] = "effect"
     group: tuple[Node, ...]
-    surface: Plane | Cylinder | Sphere
+    surface: Plane | Cylinder | Sphere | Moving
     offset: float
     stiffness: float | None
     layer: float | None
@@ -213,7 +101,7 @@ class Contact(ModelObject):
     def __init__(
         self,
         nodes: Node | Iterable[Node],
-        surface: Plane | Cylinder | Sphere,
+        surface: Plane | Cylinder | Sphere | Moving,
         *,
         offset: float = 0.0,
         stiffness: float | None = None,
@@ -222,7 +110,7 @@ class Contact(ModelObject):
     ) -> None:
         put = object.__setattr__
         put(self, "group", listed(nodes, "Contact", once=True))
-        put(self, "surface", require_instance(surface, (Plane, Cylinder, Sphere), "surface", "Contact"))
+        put(self, "surface", require_instance(surface, (Plane, Cylinder, Sphere, Moving), "surface", "Contact"))
         put(self, "offset", require_not_negative(offset, "offset", "Contact"))
         put(self, "stiffness", None if stiffness is None else require_positive(stiffness, "stiffness", "Contact"))
         put(self, "friction", require_not_negative(friction, "friction", "Contact"))
@@ -254,20 +142,47 @@ class Contact(ModelObject):
                 f"{numbering.describe(int(conn[worst, 0]))} by {-gap[worst]:.6g} below "
                 f"{objects[int(members[worst])].surface} and its offset: move the surface away"
             )
+        moves = np.array([isinstance(item.surface, Moving) for item in objects])[members]
         rubbing = np.array([item.friction for item in objects])[members]
-        if not rubbing.any():
-            return [kernel]
-        from kirigami.effects.friction import FrictionKernel  # what does not rub needs none
+        found: list[Kernel] = [kernel]
+        if moves.any():
+            found = [] if moves.all() else [ContactKernel(numbering.rest, **_of(kernel, ~moves))]
+        rubs = ~moves & (rubbing > 0)
+        if rubs.any():
+            from kirigami.effects.friction import FrictionKernel  # what does not rub needs none
 
-        own = {name: value[rubbing > 0] for name, value in kernel.arrays().items()}
-        return [kernel, FrictionKernel(numbering.rest, rubbing[rubbing > 0], layer[rubbing > 0], **own)]
+            found.append(FrictionKernel(numbering.rest, rubbing[rubs], layer[rubs], **_of(kernel, rubs)))
+        for number in np.unique(members[moves]).tolist():
+            from kirigami.effects.moving import moving_kernels  # nor does what stands need this
+
+            item, own = objects[number], members == number
+            assert isinstance(item.surface, Moving)
+            found += moving_kernels(item.surface, numbering.rest, rubbing[own], _of(kernel, own))
+        return found
+
+    def held(self, lam: float) -> Contact:
+        """The same, with a surface that stands where it is at load factor `lam`."""
+        lam = require_finite(lam, "lam", "Contact.held")
+        if not isinstance(self.surface, Moving) or self.surface.reached is not None:
+            return self
+        return Contact(
+            self.group, self.surface.held(lam), offset=self.offset, stiffness=self.stiffness, layer=self.layer,
+            friction=self.friction,
+        )  # fmt: skip
 
     def __repr__(self) -> str:
         return f"Contact({len(self.group)} nodes, {self.surface})"
 
 
-def _shape(surface: Plane | Cylinder | Sphere, dim: int) -> tuple[Array, Array, Array, float]:
+def _of(kernel: ContactKernel, which: NDArray[np.bool_]) -> dict[str, Any]:
+    """Constructor arguments of some of the members of a kernel."""
+    return {name: value[which] for name, value in kernel.arrays().items()}
+
+
+def _shape(surface: Plane | Cylinder | Sphere | Moving, dim: int) -> tuple[Array, Array, Array, float]:
     """Point (dim,), normal (dim,) or zeros, projector on what counts for the distance (dim, dim), radius."""
+    if isinstance(surface, Moving):
+        return _shape(surface.surface, dim)
     axis = np.zeros(3)
     normal, radius = np.zeros(3), 0.0
     if isinstance(surface, Plane):
@@ -330,16 +245,21 @@ class ContactKernel(Kernel):
         self.point, self.normal, self.projector, self.radius = point, normal, projector, radius
         self.stiffness, self.layer = stiffness, layer
         self._flat: NDArray[np.bool_] = np.asarray(np.any(normal != 0, axis=1))
-        at_rest = self._distance(rest)[0]
+        at_rest = self.distance(self.places_of(rest))[0]
         self.start = np.clip(at_rest, 0.0, layer)  # distance at which the force sets in
 
     def arrays(self) -> dict[str, Any]:
         names = ("conn", "point", "normal", "projector", "radius", "stiffness", "layer", "members")
         return {name: getattr(self, name) for name in names}
 
-    def _distance(self, x: Array) -> tuple[Array, Array, Array]:
-        """Distance (n,), its gradient (n, dim), and 1 / r (n,), which is zero for planes."""
-        y = np.asarray(x)[self.conn[:, 0]] - self.point
+    def places_of(self, x: Array) -> Array:
+        """Positions (n, dim) of the members' nodes among all rows."""
+        return np.asarray(x)[self.conn[:, 0]]
+
+    def distance(self, places: Array) -> tuple[Array, Array, Array]:
+        """Distance (n,) of nodes at `places` (n, dim), its gradient (n, dim), and 1 / r (n,), which is zero for
+        planes."""
+        y = places - self.point
         height = np.einsum("na,na->n", self.normal, y)
         across = np.einsum("nab,nb->na", self.projector, y)
         r: Array = np.sqrt(np.einsum("na,na->n", across, across))
@@ -357,11 +277,15 @@ class ContactKernel(Kernel):
 
     def deformation(self, x: Array) -> Array:
         """Distance of each node from its surface (n,) [length], negative inside."""
-        return self._distance(x)[0]
+        return self.distance(self.places_of(x))[0]
+
+    def normals(self, x: Array, lam: float) -> tuple[Array, Array]:
+        """Distance of each node (n,), and the normal (n, dim) of its surface there, as both are at a load factor."""
+        return self.distance(self.places_of(x))[:2]
 
     def deformation_rate(self, x: Array, change: Array) -> Array:
         """First-order change of the distance (n,) for a displacement change (n_nodes, dim)."""
-        rate: Array = np.einsum("na,na->n", self._distance(x)[1], change[self.conn[:, 0]])
+        rate: Array = np.einsum("na,na->n", self.distance(self.places_of(x))[1], self.places_of(change))
         return rate
 
     def force(self, gap: Array) -> Array:
@@ -369,7 +293,11 @@ class ContactKernel(Kernel):
         return self._law(gap)[1]
 
     def evaluate(self, x: Array, lam: float = 1.0, need: int = 2, tangent: Tangent = EXACT) -> Contribution:
-        gap, direction, inverse = self._distance(x)
+        return self.pushed(self.places_of(x), need, tangent)
+
+    def pushed(self, places: Array, need: int, tangent: Tangent) -> Contribution:
+        """What the surface does to nodes at `places` (n, dim)."""
+        gap, direction, inverse = self.distance(places)
         energy, force, stiffness = self._law(gap)
         if need == 0:
             return Contribution(energy)

@@ -36,61 +36,85 @@ class FrictionKernel(Kernel):
     stores_energy = False
     anchored = True
     path_dependent = True
+    contact_kind: type[ContactKernel] = ContactKernel
 
     def __init__(self, rest: Array, friction: Array, width: Array, **contact: Any) -> None:
         self.rest, self.friction, self.width = rest, friction, width
-        self._contact = ContactKernel(rest, **contact)
+        self._contact = self.contact_kind(rest, **contact)
         self.conn, self.members = self._contact.conn, self._contact.members
-        self._first = self._state(rest[self.conn[:, 0]], rest)
-        self._committed = self._first
+        self._pressing = 2 * rest.shape[1]  # column of a state
+        self.history = None
 
     def arrays(self) -> dict[str, Any]:
         return {"friction": self.friction, "width": self.width, **self._contact.arrays()}
 
-    def _state(self, anchor: Array, x: Array) -> Array:
-        """Anchor, normal and pressing force (n, 2 dim + 1) with the surface as it is at `x`."""
-        gap, normal, _ = self._contact._distance(x)
-        return np.column_stack([anchor, normal, self._contact.force(gap)])
+    def _state(self, anchors: Array, x: Array, lam: float) -> Array:
+        """Anchor, normal, pressing force and load factor (n, 2 dim + 2) with the surface as it is at `x`."""
+        gap, normal = self._contact.normals(x, lam)
+        return np.column_stack([anchors, normal, self._contact.force(gap), np.full(len(anchors), lam)])
 
     @property
     def history(self) -> Array | None:
-        """Anchors, normals and pressing forces (n, 2 dim + 1)."""
+        """Anchors, normals, pressing forces, and the load factor at which anchors were there (n, 2 dim + 2), which is
+        nan before the first equilibrium: that says where they are."""
         return self._committed
 
     @history.setter
     def history(self, value: Array | None) -> None:
-        self._committed = self._first if value is None else np.array(value, dtype=float)
+        if value is None:
+            value = self._state(self._contact.places_of(self.rest), self.rest, 0.0)
+            value[:, -1] = np.nan
+        self._committed = np.array(value, dtype=float)
 
-    def _way(self, x: Array, state: Array) -> tuple[Array, Array]:
+    def start_stage(self) -> None:
+        self._committed[:, -1] = 0.0
+
+    def _anchors(self, lam: float) -> Array:
+        """Where the anchors (n, dim) are at a load factor."""
+        return self._committed[:, : self.rest.shape[1]]
+
+    def _way(self, x: Array, anchors: Array, state: Array) -> tuple[Array, Array]:
         """Way along the surface (n, dim) from the anchors, and the normals."""
         dim = self.rest.shape[1]
         normal = state[:, dim : 2 * dim]
-        apart = np.asarray(x)[self.conn[:, 0]] - state[:, :dim]
+        apart = self._contact.places_of(x) - anchors
         return apart - (apart * normal).sum(axis=1, keepdims=True) * normal, normal
 
     def commit(self, x: Array) -> None:
-        place = np.array(np.asarray(x)[self.conn[:, 0]])
-        state = self._state(self._committed[:, : self.rest.shape[1]], np.asarray(x))
-        way, _ = self._way(x, state)
+        self.commit_at(x, 0.0)
+
+    def commit_at(self, x: Array, lam: float) -> None:
+        places = self._contact.places_of(x)
+        anchors = places if np.isnan(self._committed[0, -1]) else self._anchors(lam)
+        state = self._state(anchors, np.asarray(x), lam)
+        way, _ = self._way(x, anchors, state)
         size = np.linalg.norm(way, axis=1)
-        kept = np.minimum(1.0, self.width / np.where(size > 0, size, 1.0)) * (state[:, -1] > 0)
-        state[:, : self.rest.shape[1]] = place - kept[:, None] * way
+        kept = np.minimum(1.0, self.width / np.where(size > 0, size, 1.0)) * (state[:, self._pressing] > 0)
+        state[:, : self.rest.shape[1]] = places - kept[:, None] * way
         self._committed = state
 
     def deformation(self, x: Array) -> Array:
         """Share of the limit (n, dim) that is used up along the surface: a node whose share has the length 1 slides."""
-        way, _ = self._way(x, self._committed)
+        return self.deformation_at(x, 0.0)
+
+    def deformation_at(self, x: Array, lam: float) -> Array:
+        way, _ = self._way(x, self._anchors(lam), self._committed)
         size = np.linalg.norm(way, axis=1)
         return np.asarray(way / np.maximum(size, self.width)[:, None])
 
-    def traction(self, x: Array) -> Array:
+    @property
+    def _limit(self) -> Array:
+        """Most that each node (n,) is held back by."""
+        return np.asarray(self.friction * self._committed[:, self._pressing])
+
+    def force(self, share: Array) -> Array:
         """Force (n, dim) of the nodes on the surface, along it."""
-        return np.asarray((self.friction * self._committed[:, -1])[:, None] * self.deformation(x))
+        return np.asarray(self._limit[:, None] * share)
 
     def evaluate(self, x: Array, lam: float = 1.0, need: int = 2) -> Contribution:
-        way, normal = self._way(x, self._committed)
+        way, normal = self._way(x, self._anchors(lam), self._committed)
         size, w = np.linalg.norm(way, axis=1), self.width
-        limit = self.friction * self._committed[:, -1]
+        limit = self._limit
         sticks = size <= w
         energy = limit * np.where(sticks, size**2 / (2 * w), size - w / 2)
         reach = np.maximum(size, w)

@@ -12,7 +12,7 @@ from kirigami.errors import ModelError
 from kirigami.model.constraints import Constraint
 from kirigami.primitives.checks import require_array, require_boolean, require_finite
 from kirigami.primitives.kernel import Array
-from kirigami.primitives.node import AXES, Node, listed
+from kirigami.primitives.node import AXES, Node, direction_of, listed
 
 MOST = 36000.0  # degrees
 
@@ -75,15 +75,7 @@ class Turn(Constraint):
         angle = require_finite(angle, "angle", "Turn")
         if abs(angle) > MOST:
             raise ModelError(f"Turn: an angle of {angle:.6g} degrees is more than {MOST / 360:g} turns")
-        if isinstance(axis, str):
-            if axis not in tuple(AXES):
-                raise ModelError(f"Turn: axis must be 'x', 'y', 'z' or a direction of 3 numbers, got {axis!r}")
-            along = np.eye(3)[AXES.index(axis)]
-        else:
-            along = require_array(axis, (3,), name="axis", owner="Turn")
-            if not along.any():
-                raise ModelError("Turn: the axis has no direction")
-            along = along / np.linalg.norm(along)
+        along = direction_of(axis, "Turn")
         points = np.array([(node.x, node.y, node.z) for node in group])
         centre = points.mean(axis=0) if about is None else require_array(about, (2,), (3,), name="about", owner="Turn")
         moved = require_array(shift, (2,), (3,), name="shift", owner="Turn")

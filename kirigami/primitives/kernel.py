@@ -221,6 +221,10 @@ class Kernel:
         """What the members feel (n, ...): strain, angle, gap, in an order and unit that the kernel states."""
         raise ModelError(f"{self.name!r} has no deformation to tell: its kernel defines none")
 
+    def deformation_at(self, x: Array, lam: float) -> Array:
+        """The same at a load factor, which counts where it moves what is felt, as a surface that is driven."""
+        return self.deformation(x)
+
     def deformation_rate(self, x: Array, change: Array) -> Array:
         """First-order change of the deformation for a displacement change (n_nodes, dim); by default a difference."""
         size = float(np.abs(change).max(initial=0.0))
@@ -271,6 +275,13 @@ class Kernel:
     def commit(self, x: Array) -> None:
         """Accept `x` as an equilibrium: history-dependent state moves on."""
 
+    def commit_at(self, x: Array, lam: float) -> None:
+        """The same at a load factor, which counts where history hangs on what that moves."""
+        self.commit(x)
+
+    def start_stage(self) -> None:
+        """Let a new stage begin, whose load factor counts from 0 again, once history is that of the last one."""
+
     def revert(self) -> None:
         """Forget everything since the last commit."""
 
@@ -309,7 +320,7 @@ class Kernel:
 
     def force_of(self, x: Array, lam: float) -> Array:
         """What the members answer (n, ...) at `x`, where history counts as well."""
-        return self.force_at(self.deformation(x), lam)
+        return self.force_at(self.deformation_at(x, lam), lam)
 
     def arrays(self) -> dict[str, Any]:
         """Constructor arguments, so that results can be saved and rebuilt."""

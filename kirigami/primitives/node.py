@@ -6,8 +6,11 @@ from collections import Counter
 from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
 from kirigami.errors import ModelError
-from kirigami.primitives.checks import require_finite, require_items, require_text, shown
+from kirigami.primitives.checks import require_array, require_finite, require_items, require_text, shown
 
 if TYPE_CHECKING:
     from weakref import ReferenceType
@@ -94,6 +97,18 @@ def listed(nodes: Node | Iterable[Node], owner: str, once: bool = False) -> tupl
         twice = next(node for node in group if counts[id(node)] > 1)
         raise ModelError(f"{owner}: {twice!r} is listed twice and would count twice: list each node once")
     return group
+
+
+def direction_of(axis: str | ArrayLike, owner: str) -> NDArray[np.float64]:
+    """Unit vector (3,) of an axis: its letter, or a direction of any length."""
+    if isinstance(axis, str):
+        if axis not in tuple(AXES):
+            raise ModelError(f"{owner}: axis must be 'x', 'y', 'z' or a direction of 3 numbers, got {axis!r}")
+        return np.asarray(np.eye(3)[AXES.index(axis)], dtype=float)
+    along = require_array(axis, (3,), name="axis", owner=owner)
+    if not along.any():
+        raise ModelError(f"{owner}: the axis has no direction")
+    return np.asarray(along / np.linalg.norm(along))
 
 
 def require_nodes(owner: str, **nodes: Any) -> None:

@@ -39,6 +39,8 @@ KERNELS = {
     "CurvedFacetKernel": "elements.curved_facet",
     "EdgeMomentKernel": "model.edge_moment",
     "FacetKernel": "elements.facet",
+    "MovingContactKernel": "effects.moving",
+    "MovingFrictionKernel": "effects.moving",
     "MassKernel": "elements.mass",
     "NodalLoadKernel": "model.loads",
     "FrictionKernel": "effects.friction",

@@ -179,7 +179,7 @@ class Results(ModelRecord):
             at_rest = self.configuration()
             linearised: Array = kernel.deformation(at_rest) + kernel.deformation_rate(at_rest, self.rows(step))
             return linearised
-        found: Array = self.evaluate_at(kernel, step, lambda x: kernel.deformation(x))
+        found: Array = self.evaluate_at(kernel, step, lambda x: kernel.deformation_at(x, step.lam))
         return found
 
     def told(self, kernel: Kernel, step: Step, tell: Callable[[Array], Array]) -> Array:

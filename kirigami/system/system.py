@@ -285,11 +285,13 @@ class System(Unknowns):
             rate += loads
         return self.reduce(rate)
 
-    def stiffness_blocks(self, u: Array, lam: float, tangent: Tangent = EXACT, carried: bool = True) -> Array:
+    def stiffness_blocks(
+        self, u: Array, lam: float, tangent: Tangent = EXACT, carried: bool = True, stored: bool = False
+    ) -> Array:
         """Node blocks (dim, dim, blocks) of the Hessian of the potential, or of the tangent asked for.
 
         In `tangent`, ``ahead`` holds displacements and a change, both (n, dim). `carried` adds what follows grips onto
-        the rows that lead.
+        the rows that lead. `stored` leaves out what stores no energy: loads that follow, friction.
         """
         x = self.configuration(u)
         if tangent.ahead is not None:
@@ -303,6 +305,8 @@ class System(Unknowns):
             served = False
             for kernel, slots, twin in zip(self.kernels, plan.slots, self.twins):
                 if kernel.translation_invariant is not invariant or (twin is None and kernel.pairs == ()):
+                    continue
+                if stored and not kernel.stores_energy:
                     continue
                 served = True
                 if twin is not None:
@@ -435,12 +439,28 @@ class System(Unknowns):
 
     # ---- history
 
-    def commit(self, u: Array) -> None:
-        """Accept displacements `u` (n, dim or 3) as an equilibrium: history-dependent kernels move on."""
+    def commit(self, u: Array, lam: float = 0.0) -> None:
+        """Accept displacements `u` (n, dim or 3) as an equilibrium at a load factor: history-dependent kernels move
+        on."""
         x = self.configuration(u)
         for kernel in self.kernels:
             with self.clock(kernel.name):
-                kernel.commit(x)
+                kernel.commit_at(x, lam)
+
+    def go_on_from(self, history: tuple[Array | None, ...], u: Array, lam: float, new_stage: bool) -> None:
+        """Take the history of a step as the present one; kernels that it says nothing of begin at displacements `u`.
+
+        What a stage adds or takes away moves kernels to other places: each takes the first state left that can be its
+        own.
+        """
+        left, x = [value for value in history if value is not None], self.configuration(u)
+        for kernel in self.kernels:
+            place = next((k for k, value in enumerate(left) if kernel.fits(value)), None)
+            kernel.history = None if place is None else left.pop(place)
+            if place is None:
+                kernel.commit_at(x, lam)
+            elif new_stage:
+                kernel.start_stage()
 
     def revert(self) -> None:
         """Forget everything since the last commit."""

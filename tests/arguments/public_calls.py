@@ -551,7 +551,13 @@ CALLS: dict[str, Callable[[], Call]] = {
     "Plane": lambda: (kg.Plane, {"point": (0, 0, 0), "normal": (0, 0, 1)}),
     "Cylinder": lambda: (kg.Cylinder, {"point": (0, 0, -2), "axis": (0, 1, 0), "radius": 1.0}),
     "Sphere": lambda: (kg.Sphere, {"center": (0, 0, -2), "radius": 1.0}),
+    "Moving": lambda: (
+        kg.Moving,
+        {"surface": kg.Plane(), "shift": [(1, 0, 0)], "angle": [3.0], "axis": "z", "about": (0, 0), "at": [1.0]},
+    ),
     "Contact": lambda: (kg.Contact, {"nodes": nodes(2), "surface": kg.Plane(), "offset": 0.1, "friction": 0.2}),
+    "Moving.held": lambda: (kg.Moving(kg.Plane(), (1, 0)).held, {"lam": 0.5}),
+    "Contact.held": lambda: (kg.Contact(nodes(2), kg.Moving(kg.Plane(), (1, 0))).held, {"lam": 0.5}),
     "SelfContact": lambda: (kg.SelfContact, {"thickness": 0.1, "layer": 0.01, "stiffness": 1e3, "obstacles": []}),
     "results.contact.gaps": lambda: (contact("gaps"), {"results": touching()[0], "contact": touching()[1]}),
     "results.contact.normal_forces": lambda: (contact("normal_forces"), {"results": touching()[0]}),

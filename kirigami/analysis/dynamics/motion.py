@@ -137,13 +137,15 @@ class Motion:
 
     def damping_blocks(self, moment: Moment, more: float = 0.0) -> Array | None:
         """Node blocks of the damping matrix, None without any: mass, and the stiffness at the beginning of the step
-        without what could make it indefinite, so that energy is only lost; of that, a share `more` [time]."""
+        without what could make it indefinite, and of what stores energy alone, so that energy is only lost and what
+        slides is held back by no more than friction; of that, a share `more` [time]."""
         mass, stiffness = self.damping[0], self.damping[1] + more
         if not mass and not stiffness:
             return None
         blocks = mass * self.inertia.uncarried
         if stiffness:
-            blocks = blocks + stiffness * self.stiffness_blocks(self.displacement(moment), moment.factors, CONVEX)
+            u, lam = self.displacement(moment), moment.lam
+            blocks = blocks + stiffness * self.system.stiffness_blocks(u, lam, CONVEX, carried=False, stored=True)
         return blocks
 
     def carried(self, total: Array, u: Array, chord: Array) -> Array:

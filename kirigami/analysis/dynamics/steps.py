@@ -71,7 +71,7 @@ class TimeSteps:
         moment.time = time
         u = self.motion.displacement(moment)
         turn = system.largest_rotation(u - self.motion.displacement(start))
-        system.commit(u)
+        system.commit(u, moment.lam)
         if self.adaptive:
             longer = GROWTH if corrections <= EASY else 1.0
             self.size = min(max(self.size, step) * min(longer, WANTED / max(turn, 1e-12)), self.longest)

@@ -48,7 +48,7 @@ def leave_along_mode(run: PathRun, located: Step, mode: Array, sign: int) -> tup
     if best is None:
         return None
     system.history = located.history
-    system.commit(best[0].state.u)
+    system.commit(best[0].state.u, best[0].state.lam)
     best[0].history = system.history
     return best
 

@@ -45,7 +45,7 @@ class InertialSteps(StableSteps):
         if moved is None or tangent is None:
             run.system.history = point.history
             return point, landed, increment
-        run.system.commit(moved.state.u)
+        run.system.commit(moved.state.u, moved.state.lam)
         point = Point(moved.state, tangent, run.system.history)
         del events[known:]
         tell_events(run, before, point, increment, moved.left, moved.drift)

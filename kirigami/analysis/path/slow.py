@@ -74,7 +74,7 @@ class SlowSteps(Steps):
         tangent = run.tangent_at(attempt)
         if tangent is None:
             raise run.failure(attempt, increment)
-        run.system.commit(attempt.state.u)
+        run.system.commit(attempt.state.u, attempt.state.lam)
         point = Point(attempt.state, tangent, run.system.history)
         predicted = run.predict(before, increment)
         off = 0.0 if predicted is None else run.system.largest_rotation(point.state.u - predicted[0].u)

@@ -85,7 +85,7 @@ class StableSteps(Steps):
             if landed_tangent is None:
                 increment = self.cut(before, landed, increment)
                 continue
-            run.system.commit(landed.state.u)
+            run.system.commit(landed.state.u, landed.state.lam)
             point = Point(landed.state, landed_tangent, run.system.history)
             if not short and worth_bracketing(run, before, point):
                 self.snap = before.state.lam + increment
@@ -146,7 +146,7 @@ class StableSteps(Steps):
         return attempt.drift < STRAIGHT * moved
 
     def _accept(self, attempt: Attempt, tangent: Tangent) -> Point:
-        self.run.system.commit(attempt.state.u)
+        self.run.system.commit(attempt.state.u, attempt.state.lam)
         return Point(attempt.state, tangent, self.run.system.history)
 
     def _downhill(

@@ -83,7 +83,7 @@ class NewtonSteps(Steps):
             if tangent is not None and cuts < CUTS_AT_EVENTS and run.control.hides_turns(before, attempt, tangent):
                 attempt.reason, tangent = "the load factor seems to turn twice within the increment", None
             if tangent is not None:
-                run.system.commit(attempt.state.u)
+                run.system.commit(attempt.state.u, attempt.state.lam)
                 point = Point(attempt.state, tangent, run.system.history)
                 try:
                     strict = attempt.left is None and cuts < CUTS_AT_EVENTS

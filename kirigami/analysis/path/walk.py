@@ -147,7 +147,7 @@ class Walk(PathRun):
         tangent = self.tangent_at(attempt)
         if tangent is None:
             raise self.failure(attempt, 0.0)
-        system.commit(attempt.state.u)
+        system.commit(attempt.state.u, attempt.state.lam)
         point = Point(attempt.state, tangent, system.history)
         self._store(point, attempt)
         return point

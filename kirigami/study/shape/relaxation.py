@@ -111,7 +111,7 @@ class Relaxer:
             tangent = None
         if tangent is None or tangent.factor.negative:
             raise ConvergenceError(f"no stable equilibrium found: {attempt.reason or 'the tangent is singular'}")
-        self.system.commit(attempt.state.u)
+        self.system.commit(attempt.state.u, attempt.state.lam)
         return Point(attempt.state, tangent, self.system.history)
 
     def energy_and_force(self, step: Step) -> tuple[float, float]:
