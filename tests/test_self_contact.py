@@ -125,7 +125,12 @@ def test_files_and_checkpoints_carry_contact(tmp_path):
     whole = kg.DisplacementControl(pressed_pair(), corrector="newton").run()
     assert np.abs(whole.force("self-contact")[-1]).max() > 0
     whole.save(tmp_path / "pressed.npz")
-    assert np.array_equal(kg.load(tmp_path / "pressed.npz").force("self-contact"), whole.force("self-contact"))
+    back = kg.load(tmp_path / "pressed.npz")
+    assert np.array_equal(back.force("self-contact"), whole.force("self-contact"))
+    (met,) = (event for event in back.events if event.kind == "contact")
+    touches = np.abs(whole.force("self-contact")).max(axis=(1, 2)) > 0
+    assert met.bracket == (whole.lam[met.step], whole.lam[met.step + 1]) and met.message in back.summary()
+    assert not touches[: met.step + 1].any() and touches[met.step + 1 :].all()
 
     def stop(step: kg.Step) -> None:
         if step.lam > 0.5:
@@ -136,6 +141,7 @@ def test_files_and_checkpoints_carry_contact(tmp_path):
         kg.DisplacementControl(pressed_pair(), corrector="newton").run(recorders=[stop], checkpoint=file)
     resumed = kg.DisplacementControl(pressed_pair(), corrector="newton").run(checkpoint=file)
     assert np.array_equal(resumed.lam, whole.lam) and np.array_equal(resumed.u, whole.u)
+    assert [event.message for event in resumed.events if event.kind == "contact"] == [met.message]
 
 
 def test_contact_is_the_same_in_other_units_and_turned():
@@ -187,6 +193,8 @@ def test_a_sheet_thrown_on_another_bounces_and_keeps_its_energy():
     res = kg.Dynamics(m, end=0.03, step=5e-4, velocity=velocity).run()
     moving = np.array([step.velocity[16:, 2].mean() for step in res.steps])
     assert moving[0] < 0 < moving[-1] and nothing_crosses(res)
+    (met,) = (event for event in res.events if event.kind == "contact")
+    assert "touch between times" in met.message and met.message.count("until") == 1
     assert res.stats["energy_drift"] < 0.02
 
 

@@ -16,6 +16,7 @@ from kirigami.progress import ProgressBar, progress_bar
 from kirigami.results.crossing import note_crossings
 from kirigami.results.results import Results
 from kirigami.results.step import Event, Step
+from kirigami.results.touching import note_contacts
 from kirigami.system.system import System
 
 Recorder = Callable[[Step], None]
@@ -127,7 +128,7 @@ class Resumable(Analysis):
                 warnings.warn(message, KirigamiWarning, stacklevel=2)
             except ConvergenceError as error:
                 self._write(walk)
-                note_crossings(results)
+                _note(results)
                 walk.finish()
                 if on_failure == "raise":
                     raise
@@ -135,7 +136,7 @@ class Resumable(Analysis):
                 results.events.append(Event("failed", lam, len(results) - 1, str(error)))
                 warnings.warn(str(error), KirigamiWarning, stacklevel=2)
         self._write(walk)
-        note_crossings(results)
+        _note(results)
         return walk.finish()
 
     @staticmethod
@@ -145,3 +146,7 @@ class Resumable(Analysis):
             walk.checkpoint.finish()
 
 
+def _note(results: Results) -> None:
+    """Tell, now that all steps are stored, in which of them a sheet touches or crosses itself."""
+    note_contacts(results)
+    note_crossings(results)

@@ -24,10 +24,11 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
+from kirigami.effects.held_surface import HeldSurface
 from kirigami.effects.lips import check_gaps, close_pairs, drawn_in
 from kirigami.errors import ModelError
 from kirigami.post.crossing import crossings, toolkit
-from kirigami.primitives.checks import require_instance, require_items, require_positive
+from kirigami.primitives.checks import require_instance, require_items, require_not_negative, require_positive
 from kirigami.primitives.kernel import EXACT, Array, Contribution, Kernel, Tangent
 from kirigami.primitives.node import Node
 from kirigami.primitives.parts import ModelObject, Numbering
@@ -54,6 +55,10 @@ class SelfContact(ModelObject):
     stiffness : float, optional
         Pressure of the barrier [force / length^2], about a third of that in the middle of the layer; None takes a
         ten-thousandth of the stiffest node over the thickness.
+    friction : float
+        Coefficient of friction (Coulomb) where parts touch: they are held back by at most this times the force that
+        presses them, and slip by up to the layer before they slide. The force that presses is that of the last
+        equilibrium.
     obstacles : sequence of TriMesh
         Surfaces that do not move and are touched at the same distance.
 
@@ -79,6 +84,7 @@ class SelfContact(ModelObject):
     thickness: float | None
     layer: float | None
     stiffness: float | None
+    friction: float
     obstacles: tuple[Any, ...]
 
     def __init__(
@@ -87,6 +93,7 @@ class SelfContact(ModelObject):
         layer: float | None = None,
         *,
         stiffness: float | None = None,
+        friction: float = 0.0,
         obstacles: Sequence[Any] = (),
     ) -> None:
         from kirigami.geometry.mesh import TriMesh
@@ -94,6 +101,7 @@ class SelfContact(ModelObject):
         self.thickness = None if thickness is None else require_positive(thickness, "thickness", OWNER)
         self.layer = None if layer is None else require_positive(layer, "layer", OWNER)
         self.stiffness = None if stiffness is None else require_positive(stiffness, "stiffness", OWNER)
+        self.friction = require_not_negative(friction, "friction", OWNER)
         listed = [obstacles] if isinstance(obstacles, TriMesh) else require_items(obstacles, "obstacles", OWNER)
         self.obstacles = tuple(require_instance(one, TriMesh, "obstacles", OWNER) for one in listed)
         if self.thickness is not None and self.layer is not None and self.layer > self.thickness:
@@ -137,10 +145,16 @@ class SelfContact(ModelObject):
             thickness, layer, stiffness, np.column_stack([inset.row, inset.col]), inset.data,
         )  # fmt: skip
         kernel.check_rest(np.concatenate([drawn, fixed]))
-        return [kernel]
+        if not item.friction:
+            return [kernel]
+        from kirigami.effects.self_friction import SelfFrictionKernel  # what does not rub needs none
+
+        shared = {name: getattr(kernel, name) for name in ("conn", "fixed", "mixed", "shares")}
+        rubs = SelfFrictionKernel(numbering.rest, **shared, friction=item.friction, width=layer, contact=kernel)
+        return [kernel, rubs]
 
     def __repr__(self) -> str:
-        given = [f"{name}={value}" for name, value in vars(self).items() if value is not None and name != "obstacles"]
+        given = [f"{name}={value}" for name, value in vars(self).items() if name != "obstacles" and value]
         given += [f"{len(self.obstacles)} obstacles"] * bool(self.obstacles)
         return f"SelfContact({', '.join(given)})"
 
@@ -186,14 +200,11 @@ class SelfContactKernel(Kernel):
         mixed: NDArray[np.int64],
         shares: Array,
     ) -> None:
-        from scipy.sparse import csr_matrix, identity, kron
-
         ipctk = self._ipctk = toolkit(OWNER)
         self.rest, self.conn, self.edges, self.triangles, self.fixed = rest, conn, edges, triangles, fixed
         self.thickness, self.layer, self.stiffness = float(thickness), float(layer), float(stiffness)
         self.mixed, self.shares = mixed, shares
-        self._mix = csr_matrix((shares, mixed.T), shape=(len(conn), len(conn)))
-        self._mix_axes = kron(self._mix, identity(3)).tocsr()
+        self._held = HeldSurface(len(rest), conn[:, 0], fixed, mixed, shares)
         self.least = self.thickness - self.layer  # distance that is never reached
         self._surface = ipctk.CollisionMesh(
             self.held_at(rest), np.asfortranarray(edges, np.int32), np.asfortranarray(triangles, np.int32)
@@ -204,6 +215,7 @@ class SelfContactKernel(Kernel):
         self._reach = 0.5 * self.thickness  # how far a node may move before pairs are searched for again
         self._lips = close_pairs(self._surface, self.held_at(rest), self.thickness, ipctk)
         self._apart = np.zeros(len(self._lips))
+        self._facets: dict[tuple[int, ...], list[int]] = {}
         self._filter()
 
     def arrays(self) -> dict[str, Any]:
@@ -212,8 +224,7 @@ class SelfContactKernel(Kernel):
 
     def held_at(self, x: Array) -> Array:
         """Positions (n + f, 3) of the nodes of the surface that is held, and of obstacles."""
-        own = self._mix @ np.asarray(x, dtype=float)[self.conn[:, 0]]
-        return np.asfortranarray(np.concatenate([own, self.fixed]) if len(self.fixed) else own)
+        return self._held.at(x)
 
     # ---- pairs
 
@@ -256,8 +267,8 @@ class SelfContactKernel(Kernel):
         energy = np.full(n, self._barrier(pairs, self._surface, places) / n)
         if need == 0:
             return Contribution(energy)
-        gradient = self._barrier.gradient(pairs, self._surface, places).reshape(-1, 3)[:n]
-        return Contribution(energy, np.asarray(self._mix.T @ gradient)[:, None])
+        gradient = self._barrier.gradient(pairs, self._surface, places).reshape(-1, 3)
+        return Contribution(energy, self._held.back(gradient)[:, None])
 
     def coupling(self, x: Array, tangent: Tangent = EXACT) -> Any:
         places = self.held_at(x)
@@ -271,14 +282,7 @@ class SelfContactKernel(Kernel):
             if part:
                 one = part * self._barrier.hessian(pairs, self._surface, places, method)
                 hessian = one if hessian is None else hessian + one
-        from scipy.sparse import csc_matrix
-
-        assert hessian is not None
-        moving = 3 * len(self.conn)
-        own = (self._mix_axes.T @ hessian[:moving, :moving] @ self._mix_axes).tocoo()
-        rows = (3 * self.conn[:, :1] + np.arange(3)).ravel()
-        size = 3 * len(self.rest)
-        return csc_matrix((own.data, (rows[own.row], rows[own.col])), shape=(size, size))
+        return None if hessian is None else self._held.coupling(hessian)
 
     def admissible(self, x: Array, y: Array) -> float:
         start, end = self.held_at(x), self.held_at(y)
@@ -320,6 +324,42 @@ class SelfContactKernel(Kernel):
                 f"{OWNER}: two parts of the sheet are {gap:.4g} apart where it starts, which leaves no room for the "
                 f"thickness {self.thickness:.4g} less the layer {self.layer:.4g}: give a smaller thickness="
             )
+
+    def pressed(self, places: Array) -> Array:
+        """Pairs that press each other at positions of the surface, as :class:`SelfFrictionKernel` keeps them, with the
+        normal force as their limit."""
+        from kirigami.effects.self_friction import COLUMNS, LIMIT, NODES, PLACES, SHARES, SPLIT, SPLITS
+
+        found = self._ipctk.TangentialCollisions()
+        touching = self._touching(places)
+        if len(touching):
+            found.build(self._surface, places, touching, self._barrier, 1.0)
+        edges, faces = self._surface.edges, self._surface.faces
+        rows = np.zeros((len(found), COLUMNS))
+        number = 0
+        for group, split in SPLITS.items():
+            for pair in getattr(found, group):
+                shares = np.ravel(pair.compute_coefficients(places, edges, faces))
+                nodes = [node for node in pair.vertex_ids(edges, faces) if node >= 0]
+                if len(nodes) < 4:
+                    nodes += self._rest_of_facet(nodes[1:])
+                row = rows[number]
+                row[NODES] = nodes
+                row[SHARES][: len(shares)] = shares
+                row[PLACES] = places[nodes].ravel()
+                row[SPLIT], row[LIMIT] = split, pair.normal_force_magnitude * pair.weight
+                number += 1
+        return rows[rows[:, LIMIT] > 0]
+
+    def _rest_of_facet(self, nodes: list[int]) -> list[int]:
+        """The other corners of a facet at one or two of its nodes; a node that is of no facet, again."""
+        if not self._facets:
+            for facet in self.triangles.tolist():
+                for k in range(3):
+                    rest = facet[k + 1 :] + facet[:k]
+                    self._facets.setdefault((facet[k],), rest)
+                    self._facets.setdefault(tuple(sorted(rest)), [facet[k]])
+        return self._facets.get(tuple(sorted(nodes)), (3 - len(nodes)) * nodes[:1])
 
     # ---- which lips have been apart
 

@@ -48,6 +48,7 @@ KERNELS = {
     "PressureKernel": "model.pressure",
     "RimPressureKernel": "model.pressure",
     "SelfContactKernel": "effects.self_contact",
+    "SelfFrictionKernel": "effects.self_friction",
     "ShellFacetKernel": "elements.shell_kernel",
     "SpringKernel": "effects.spring",
     "TorsionSpring3Kernel": "elements.torsion_spring",

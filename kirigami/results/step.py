@@ -140,8 +140,9 @@ class Event:
         of the two that could not be located), "switch" (an unstable path was left for another one), "switch failed"
         (no stable equilibrium was found), "snap" (energy was set free), "jump" (a long increment of a corrector that
         leaps lost the path, in a sharp bend or a small snap), "yield" (something yields for the first time), "beyond
-        yield" (something that stays elastic is strained beyond its yield stress for the first time), "crossing" (the
-        sheet passes through itself in the stored steps of ``bracket``), "step limit", "interrupted" or "failed".
+        yield" (something that stays elastic is strained beyond its yield stress for the first time), "contact" (parts
+        of a sheet with self-contact meet, between the stored steps of ``bracket``), "crossing" (the sheet passes
+        through itself in the stored steps of ``bracket``), "step limit", "interrupted" or "failed".
     lam : float
         Load factor: located for limit points and bifurcations, else the middle of ``bracket``.
     step : int

@@ -474,9 +474,19 @@ class System(Unknowns):
 
     @history.setter
     def history(self, values: tuple[Array | None, ...] | None) -> None:
+        given = tuple(values or ())
+        alike = len(given) == len(self.kernels) and all(
+            value is None or kernel.fits(value) for kernel, value in zip(self.kernels, given)
+        )
+        # Of another stage, or another model, with kernels more or less: then what remembers is met in the same order.
+        left = [value for value in given if value is not None]
         for position, kernel in enumerate(self.kernels):
-            value = values[position] if values and position < len(values) else None
-            kernel.history = value if value is not None and kernel.fits(value) else None
+            if alike:
+                kernel.history = given[position]
+                continue
+            at = next((number for number, value in enumerate(left) if kernel.fits(value)), None)
+            kernel.history = None if at is None else left[at]
+            left = left if at is None else left[at + 1 :]
 
     # ---- supports
 

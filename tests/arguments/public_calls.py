@@ -558,7 +558,7 @@ CALLS: dict[str, Callable[[], Call]] = {
     "Contact": lambda: (kg.Contact, {"nodes": nodes(2), "surface": kg.Plane(), "offset": 0.1, "friction": 0.2}),
     "Moving.held": lambda: (kg.Moving(kg.Plane(), (1, 0)).held, {"lam": 0.5}),
     "Contact.held": lambda: (kg.Contact(nodes(2), kg.Moving(kg.Plane(), (1, 0))).held, {"lam": 0.5}),
-    "SelfContact": lambda: (kg.SelfContact, {"thickness": 0.1, "layer": 0.01, "stiffness": 1e3, "obstacles": []}),
+    "SelfContact": lambda: (kg.SelfContact, {"thickness": 0.1, "layer": 0.01, "stiffness": 1e3, "friction": 0.2}),
     "results.contact.gaps": lambda: (contact("gaps"), {"results": touching()[0], "contact": touching()[1]}),
     "results.contact.normal_forces": lambda: (contact("normal_forces"), {"results": touching()[0]}),
     "results.contact.penetration": lambda: (contact("penetration"), {"results": touching()[0]}),
