@@ -19,8 +19,8 @@ from shapely.geometry.base import BaseGeometry
 from kirigami.errors import GeometryError, KirigamiWarning
 from kirigami.geometry.noding import node_lines
 from kirigami.geometry.repairs import OUTLINE, Repairs, names_of
-from kirigami.geometry.topology import paired_half_edges
-from kirigami.geometry.triangulate import Triangulation, regions, triangulate
+from kirigami.geometry.topology import paired_half_edges, regions
+from kirigami.geometry.triangulate import Triangulation, chosen_mesher, triangulate
 
 Integers = NDArray[np.int64]
 Floats = NDArray[np.float64]
@@ -67,6 +67,8 @@ class LineWork:
     area : float
         Area of the sheet without its holes.
     frame : Frame
+    mesher : str
+        The mesh generator that it was cleaned by and is to be meshed by.
     """
 
     points: Floats
@@ -77,6 +79,7 @@ class LineWork:
     cut_count: int
     area: float
     frame: Frame
+    mesher: str
 
     def cuts_of(self, label: int) -> tuple[int, ...]:
         """Numbers of the cuts drawn along edges with this label."""
@@ -99,6 +102,7 @@ def clean(
     snap: float = 1e-5,
     spacing: float = 0.0,
     allow_parts: bool = False,
+    mesher: str | None = None,
 ) -> LineWork:
     """Turn an outline, its cuts and embedded lines into a clean planar graph.
 
@@ -118,6 +122,8 @@ def clean(
         as it moves by no more than ``snap``.
     allow_parts : bool
         Keep all parts into which cuts sever the sheet. Else small ones, up to a tenth of the largest, fall out.
+    mesher : str, optional
+        As :meth:`kirigami.Sheet.mesh` takes it.
 
     Raises
     ------
@@ -143,7 +149,8 @@ def clean(
     pairs, index = np.unique(np.sort(edges[:, :2], axis=1), axis=0, return_inverse=True)
     owners_of = _owners(index.ravel(), edges[:, 2], len(pairs))
 
-    hull = _Hull(points, pairs)
+    mesher = chosen_mesher(mesher)
+    hull = _Hull(points, pairs, mesher)
     inside = _is_sheet(hull, edges, index.ravel())
     if not inside.any():
         raise GeometryError("nothing of the sheet is left: the holes cover it")
@@ -166,6 +173,7 @@ def clean(
         cut_count=len(cuts),
         area=float(hull.areas[inside].sum()),
         frame=frame,
+        mesher=mesher,
     )
 
 
@@ -251,9 +259,9 @@ def _potential(outside: int, left: Integers, right: Integers, jump: Integers, fr
 class _Hull:
     """The triangulated convex hull of the line work, and what lies at the two sides of each drawn edge."""
 
-    def __init__(self, points: Floats, pairs: Integers) -> None:
+    def __init__(self, points: Floats, pairs: Integers, mesher: str) -> None:
         none = np.empty((0, 3), np.int64)
-        made = triangulate(Triangulation(points, none, pairs, np.zeros(len(pairs), np.int64)))
+        made = triangulate(Triangulation(points, none, pairs, np.zeros(len(pairs), np.int64)), mesher)
         self.points, self.triangles, self.pairs = made.points, made.triangles, pairs
         self.corners = self.points[self.triangles]
         one, two = self.corners[:, 1] - self.corners[:, 0], self.corners[:, 2] - self.corners[:, 0]

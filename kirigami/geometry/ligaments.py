@@ -62,7 +62,8 @@ def find_ligaments(drawing: LineWork) -> Ligaments:
     cut = drawing.label_separates[drawing.labels]
     lines = _Lines(drawing.points, drawing.edges[cut], drawing.is_boundary[cut])
     lines.divide()
-    made = triangulate(Triangulation(lines.points, np.empty((0, 3), np.int64), lines.pieces, lines.owner))
+    bare = Triangulation(lines.points, np.empty((0, 3), np.int64), lines.pieces, lines.owner)
+    made = triangulate(bare, drawing.mesher)
     made = carve(made, lines.pieces[lines.is_boundary[lines.owner]])
     sections = _sections(made.triangles, lines.pieces)
     across, widths = lines.empty_circles(sections)

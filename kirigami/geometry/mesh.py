@@ -394,7 +394,7 @@ class TriMesh:
         """
         copied = TriMesh(
             self.nodes, self.triangles, self.sets,
-            thickness=self.thickness, material=self.material, cuts=self._given_cuts, folds=folds,
+            thickness=self.thickness, material=self.material, cuts=self._given_cuts, folds=folds, regions=self.regions,
         )  # fmt: skip
         copied.sizing = self.sizing
         return copied

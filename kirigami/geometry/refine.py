@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from kirigami.errors import GeometryError
 from kirigami.geometry.clean import LineWork
-from kirigami.geometry.topology import paired_half_edges
+from kirigami.geometry.topology import boundary_pairs
 from kirigami.geometry.triangulate import Triangulation, carve, triangulate
 
 Integers = NDArray[np.int64]
@@ -132,16 +132,16 @@ def triangulate_drawing(
         add(edge, inner)
 
     drawn = Triangulation(np.concatenate(points), NONE, np.concatenate(segments), np.concatenate(labels))
-    start = _seeded(drawn, size, np.concatenate(boundary), smallest)
+    start = _seeded(drawn, size, np.concatenate(boundary), smallest, drawing.mesher)
     limit = int(4 * facets) + 20_000
-    made = _refined(start, size, min_angle, limit)
+    made = _refined(start, size, min_angle, limit, drawing.mesher)
     if len(made.points) - len(start.points) >= limit:
         centre = made.points[made.triangles[np.argmin(signed_areas(made.points, made.triangles))]].mean(axis=0)
         raise GeometryError(
             f"more than {limit} nodes are needed where the drawing leaves a very narrow sliver or gap, near "
             f"{drawing.frame.place(centre)}; move the cuts apart, or close it by a larger `snap`"
         )
-    return _smoothed(made, size)
+    return _smoothed(made, size, drawing.mesher)
 
 
 def _expected_facets(drawing: LineWork, is_cut: NDArray[np.bool_], max_edge: float, cut_edge: float) -> float:
@@ -201,7 +201,9 @@ def _graded_fractions(ends: Floats, size: SizeField) -> list[Floats]:
     return fractions
 
 
-def _seeded(drawn: Triangulation, size: SizeField, boundary: Integers, smallest: float) -> Triangulation:
+def _seeded(
+    drawn: Triangulation, size: SizeField, boundary: Integers, smallest: float, mesher: str
+) -> Triangulation:
     """Triangulation with points of triangular lattices inside: equilateral facets wherever sizes are equal."""
     levels = max(1, int(np.ceil(np.log(size.max_edge / smallest) / np.log(LEVEL_RATIO) - 1e-9)))
     steps = np.append(smallest * (size.max_edge / smallest) ** (np.arange(levels) / levels), size.max_edge)
@@ -219,7 +221,7 @@ def _seeded(drawn: Triangulation, size: SizeField, boundary: Integers, smallest:
         lattice = lattice[(wanted > step * (1 - 1e-9)) & (wanted < next_step * (1 - 1e-9))]
         if len(lattice):
             points = np.concatenate([points, lattice[_distances(points, lattice) > CLEARANCE * step]])
-    made = carve(triangulate(Triangulation(points, NONE, drawn.segments, drawn.markers)), boundary)
+    made = carve(triangulate(Triangulation(points, NONE, drawn.segments, drawn.markers), mesher), boundary)
     used, triangles = np.unique(made.triangles, return_inverse=True)
     return Triangulation(
         made.points[used], triangles.reshape(-1, 3), np.searchsorted(used, made.segments), made.markers
@@ -257,8 +259,8 @@ def _distances(points: Floats, queries: Floats) -> Floats:
     return distances
 
 
-def _refined(start: Triangulation, size: SizeField, min_angle: float, limit: int) -> Triangulation:
-    made = triangulate(start, min_angle=min_angle, max_new_points=limit)
+def _refined(start: Triangulation, size: SizeField, min_angle: float, limit: int, mesher: str) -> Triangulation:
+    made = triangulate(start, mesher, min_angle=min_angle, max_new_points=limit)
     for _ in range(REFINEMENT_ROUNDS):
         area = signed_areas(made.points, made.triangles)
         _, longest = _quality(made.points, made.triangles)
@@ -267,11 +269,11 @@ def _refined(start: Triangulation, size: SizeField, min_angle: float, limit: int
         left = limit - (len(made.points) - len(start.points))
         if not (area > largest).any() or left <= 0:
             return made
-        made = triangulate(made, min_angle=min_angle, max_areas=largest, max_new_points=left)
+        made = triangulate(made, mesher, min_angle=min_angle, max_areas=largest, max_new_points=left)
     return made
 
 
-def _smoothed(made: Triangulation, size: SizeField) -> Triangulation:
+def _smoothed(made: Triangulation, size: SizeField, mesher: str) -> Triangulation:
     """Move free points to where the circumcentres of the facets round them balance, then restore Delaunay.
 
     This is optimal Delaunay triangulation (Chen and Holst 2011), with facets weighted for graded sizes. It goes on
@@ -283,7 +285,7 @@ def _smoothed(made: Triangulation, size: SizeField) -> Triangulation:
     angle, _ = _quality(made.points, made.triangles)
     for _ in range(SMOOTHING_ROUNDS):
         points = _moved(made, fixed, size)
-        moved = carve(triangulate(Triangulation(points, NONE, made.segments, made.markers)), boundary)
+        moved = carve(triangulate(Triangulation(points, NONE, made.segments, made.markers), mesher), boundary)
         if len(moved.points) != len(points) or len(moved.triangles) != len(made.triangles):
             return made
         new_angle, longest = _quality(moved.points, moved.triangles)
@@ -323,13 +325,6 @@ def _circumcentres(corners: Floats) -> Floats:
     x = two[:, 1] * squares[0] - one[:, 1] * squares[1]
     y = one[:, 0] * squares[1] - two[:, 0] * squares[0]
     return origin + np.column_stack([x, y]) / (2.0 * double_area)[:, None]
-
-
-def boundary_pairs(triangles: Integers) -> Integers:
-    """Boundary edges, directed with their triangle at the left."""
-    first, second = paired_half_edges(triangles)
-    half = first[second < 0]
-    return np.column_stack([triangles.ravel()[half], triangles[:, [1, 2, 0]].ravel()[half]])
 
 
 def signed_areas(points: Floats, triangles: Integers) -> Floats:

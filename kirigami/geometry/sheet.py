@@ -128,6 +128,7 @@ class Sheet:
         lines: Mapping[str, BaseGeometry] | Sequence[BaseGeometry] = (),
         snap: float | None = None,
         allow_parts: bool = False,
+        mesher: str | None = None,
     ) -> TriMesh:
         """Mesh the sheet with triangles, open along every slit.
 
@@ -160,6 +161,9 @@ class Sheet:
             points per ``cut_edge`` are thinned by no more than this.
         allow_parts : bool
             Accept cuts that sever the sheet.
+        mesher : str, optional
+            "triangle" (J. R. Shewchuk's Triangle, which may not be sold on) or "delaunay" (this package's own, slower).
+            Unless given, what the environment variable ``KIRIGAMI_MESHER`` says, else Triangle where it is installed.
 
         Returns
         -------
@@ -202,7 +206,7 @@ class Sheet:
             if snap is not None:
                 relative = require_positive(snap, "snap", "Sheet.mesh", GeometryError) / extent
             snap, spacing = _checked_snap(relative, extent), COARSE / float(np.sqrt(budget))
-            drawing = clean(self.outline, self.cuts, [*geometries, *creases], snap, spacing, allow_parts)
+            drawing = clean(self.outline, self.cuts, [*geometries, *creases], snap, spacing, allow_parts, mesher)
             made, sizing = mesh_within(drawing, budget, min_angle)
             mesh = self._opened(drawing, made, names, sizing)
             _verify(mesh, drawing, made, np.inf, allow_parts)
@@ -221,7 +225,7 @@ class Sheet:
         # rounded so that the same drawing in another unit gives the same mesh
         longest, at_cuts = (float(f"{min(length, WIDE):.12g}") for length in (max_edge / extent, cut_edge / extent))
         snap = _checked_snap(relative, extent)
-        drawing = clean(self.outline, self.cuts, [*geometries, *creases], snap, at_cuts / DENSE, allow_parts)
+        drawing = clean(self.outline, self.cuts, [*geometries, *creases], snap, at_cuts / DENSE, allow_parts, mesher)
         local = None
         if size is not None:
             lengths, frame = require_callable(size, "size", "Sheet.mesh", GeometryError), drawing.frame

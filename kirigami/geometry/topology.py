@@ -40,6 +40,54 @@ def paired_half_edges(triangles: Integers) -> tuple[Integers, Integers]:
     return first, second
 
 
+def regions(triangles: Integers, barriers: Integers, among: NDArray[np.bool_] | None = None) -> Integers:
+    """Number of the region of each triangle, where regions hang together across edges other than the barriers.
+
+    With ``among``, only these triangles are linked to one another.
+    """
+    from scipy.sparse import coo_array
+    from scipy.sparse.csgraph import connected_components
+
+    first, second = paired_half_edges(triangles)
+    start, end = triangles.ravel()[first], triangles[:, [1, 2, 0]].ravel()[first]
+    pairs = np.sort(barriers, axis=1)
+    count = int(triangles.max()) + 1
+    keys = np.minimum(start, end) * count + np.maximum(start, end)
+    linked = (second >= 0) & ~np.isin(keys, pairs[:, 0] * count + pairs[:, 1])
+    left, right = first[linked] // 3, second[linked] // 3
+    if among is not None:
+        both = among[left] & among[right]
+        left, right = left[both], right[both]
+    shape = (len(triangles), len(triangles))
+    graph = coo_array((np.ones(len(left), np.int8), (left, right)), shape=shape)
+    region: Integers = connected_components(graph, directed=False)[1].astype(np.int64)
+    return region
+
+
+def within(triangles: Integers, barriers: Integers, boundary: Integers) -> Integers:
+    """The triangles at the left of a boundary, directed segments among the barriers.
+
+    >>> hull = np.array([(0, 1, 2), (0, 2, 3), (1, 3, 2)])
+    >>> sides = np.array([(0, 1), (1, 2), (2, 3), (3, 0)])
+    >>> within(hull, sides, sides).tolist()
+    [[0, 1, 2], [0, 2, 3]]
+    """
+    count = max(int(triangles.max()), int(boundary.max())) + 1
+    start, end = triangles.ravel(), triangles[:, [1, 2, 0]].ravel()
+    to_void = np.isin(start * count + end, boundary[:, 1] * count + boundary[:, 0])
+    region = regions(triangles, barriers)
+    void = np.unique(region[np.flatnonzero(to_void) // 3])
+    kept: Integers = triangles[~np.isin(region, void)]
+    return kept
+
+
+def boundary_pairs(triangles: Integers) -> Integers:
+    """Boundary edges, directed with their triangle at the left."""
+    first, second = paired_half_edges(triangles)
+    half = first[second < 0]
+    return np.column_stack([triangles.ravel()[half], triangles[:, [1, 2, 0]].ravel()[half]])
+
+
 def edges_within(edge: Integers, ends: Integers, inside: NDArray[np.bool_]) -> NDArray[np.bool_]:
     """Which edges a set of nodes holds: those with both ends in it that have one facet, or facets all in the set.
 

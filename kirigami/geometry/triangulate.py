@@ -1,25 +1,27 @@
-"""The mesh generator behind one function: planar line work in, triangles out.
+"""The mesh generators behind one function: planar line work in, triangles out.
 
-This is the only file that knows Jonathan Shewchuk's Triangle, so that another generator can take its place. Triangle
-ends the whole process on a repeated point, and on some points that mark a hole, and silently returns nonsense for
-coordinates that are not finite. So it gets line work from `kirigami.geometry.noding` only, and what is void is removed
-here.
+There are two. "triangle" is Jonathan Shewchuk's Triangle (`kirigami.geometry.shewchuk`), quick and proven, but not free
+to be sold on; "delaunay" is this package's own (`kirigami.geometry.delaunay` and `ruppert`). Both get line work from
+`kirigami.geometry.noding` only, and what is void is removed here.
 """
 
 from __future__ import annotations
 
+import importlib.util
+import os
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
-import triangle as shewchuk
 from numpy.typing import NDArray
 
-from kirigami.geometry.topology import paired_half_edges
+from kirigami.errors import GeometryError
+from kirigami.geometry.topology import boundary_pairs, pair_keys, within
 
 Integers = NDArray[np.int64]
 Floats = NDArray[np.float64]
 
-FIRST_MARKER = 2  # Triangle marks unnamed boundaries with 0 and 1
+MESHERS = ("triangle", "delaunay")
 
 
 @dataclass(frozen=True, eq=False)
@@ -32,19 +34,40 @@ class Triangulation:
     markers: Integers
 
 
+def chosen_mesher(name: str | None = None) -> str:
+    """The mesh generator that a name stands for: without one what the environment variable KIRIGAMI_MESHER says, else
+    Triangle where it is installed.
+
+    >>> chosen_mesher("delaunay")
+    'delaunay'
+    """
+    wanted = name or os.environ.get("KIRIGAMI_MESHER")
+    there = importlib.util.find_spec("triangle") is not None
+    if not wanted:
+        return "triangle" if there else "delaunay"
+    if wanted not in MESHERS:
+        raise GeometryError(f"mesher must be one of {', '.join(map(repr, MESHERS))}, not {wanted!r}")
+    if wanted == "triangle" and not there:
+        raise GeometryError("mesher \"triangle\" needs the package triangle: pip install triangle, or use \"delaunay\"")
+    return wanted
+
+
 def triangulate(
     start: Triangulation,
+    mesher: str,
     *,
     min_angle: float = 0.0,
     max_areas: Floats | None = None,
     max_new_points: int | None = None,
 ) -> Triangulation:
-    """Constrained Delaunay triangulation of the convex hull of segments, or the refinement of a triangulation.
+    """Constrained Delaunay triangulation of all that segments enclose, or the refinement of a triangulation.
 
     Parameters
     ----------
     start : Triangulation
         Points and segments; with triangles, these are refined and nothing grows beyond them.
+    mesher : str
+        "triangle" or "delaunay".
     min_angle : float
         Smallest angle in degrees; 0 adds no points. Termination is proved up to 20.7 and usual up to about 33.
     max_areas : ndarray, shape (m,), optional
@@ -57,36 +80,46 @@ def triangulate(
     >>> corners = np.array([(0.0, 0.0), (1.0, 0.0), (0.0, 1.0)])
     >>> nothing = np.empty((0, 3), dtype=int)
     >>> sides = np.array([(0, 1), (1, 2), (2, 0)])
-    >>> triangulate(Triangulation(corners, nothing, sides, np.zeros(3, int))).triangles.tolist()
+    >>> for mesher in MESHERS:
+    ...     triangulate(Triangulation(corners, nothing, sides, np.zeros(3, int)), mesher).triangles.tolist()
+    [[0, 1, 2]]
     [[0, 1, 2]]
     """
-    data = {
-        "vertices": np.ascontiguousarray(start.points, dtype=float),
-        "segments": np.ascontiguousarray(start.segments, dtype=np.int32),
-        "segment_markers": np.ascontiguousarray(start.markers + FIRST_MARKER, dtype=np.int32).reshape(-1, 1),
-    }
-    switches = "pQ"
+    if mesher == "triangle":
+        from kirigami.geometry.shewchuk import triangulated
+
+        return triangulated(start, min_angle, max_areas, max_new_points)
     if len(start.triangles):
-        switches += "r"
-        data["triangles"] = np.ascontiguousarray(start.triangles, dtype=np.int32)
-    else:
-        switches += "c"
-    if min_angle > 0:
-        switches += f"q{min_angle:.6f}"
-    if max_areas is not None:
-        switches += "a"
-        data["triangle_max_area"] = np.ascontiguousarray(max_areas, dtype=float).reshape(-1, 1)
-    if max_new_points is not None:
-        switches += f"S{max_new_points:d}"
-    made = shewchuk.triangulate(data, switches)
-    markers = made["segment_markers"].astype(np.int64).ravel() - FIRST_MARKER
-    drawn = markers >= 0  # the others are edges of the convex hull
-    return Triangulation(
-        made["vertices"],
-        made["triangles"].astype(np.int64).reshape(-1, 3),
-        made["segments"].astype(np.int64).reshape(-1, 2)[drawn],
-        markers[drawn],
-    )
+        return _refined(start, min_angle, max_areas, max_new_points)
+    from kirigami.geometry.delaunay import constrained
+
+    triangles, chains = constrained(start.points, start.segments)
+    pieces = np.array([pair for chain in chains for pair in pairwise(chain)], np.int64).reshape(-1, 2)
+    markers = np.repeat(start.markers, [len(chain) - 1 for chain in chains])
+    return Triangulation(start.points, triangles, pieces, markers)
+
+
+def _refined(
+    start: Triangulation, min_angle: float, max_areas: Floats | None, max_new_points: int | None
+) -> Triangulation:
+    """The same by the mesh generator of this package; what bounds the triangles is not crossed."""
+    from kirigami.geometry.ruppert import refine
+
+    count = len(start.points)
+    rim = boundary_pairs(start.triangles)
+    inner = ~np.isin(pair_keys(start.segments, count), pair_keys(rim, count))
+    known = pair_keys(start.segments, count)
+    order = np.argsort(known)
+    place = np.minimum(np.searchsorted(known[order], pair_keys(rim, count)), len(order) - 1)
+    drawn = known[order][place] == pair_keys(rim, count)
+    markers = np.concatenate([start.markers[inner], np.where(drawn, start.markers[order][place], -1)])
+    segments = np.concatenate([start.segments[inner], rim])
+    is_rim = np.arange(len(segments)) >= inner.sum()
+    most = np.inf if max_new_points is None else max_new_points
+    limits = None if max_areas is None else np.where(max_areas < 0, np.inf, max_areas)
+    made = refine(start.points, start.triangles, segments, is_rim, min_angle, limits, most)
+    markers = markers[made.origin]
+    return Triangulation(made.points, made.triangles, made.segments[markers >= 0], markers[markers >= 0])
 
 
 def carve(hull: Triangulation, boundary: Integers) -> Triangulation:
@@ -103,37 +136,9 @@ def carve(hull: Triangulation, boundary: Integers) -> Triangulation:
     --------
     >>> corners = np.array([(0.0, 0.0), (4.0, 0.0), (1.0, 1.0), (0.0, 4.0)])
     >>> sides = np.array([(0, 1), (1, 2), (2, 3), (3, 0)])
-    >>> hull = triangulate(Triangulation(corners, np.empty((0, 3), dtype=int), sides, np.zeros(4, int)))
+    >>> hull = triangulate(Triangulation(corners, np.empty((0, 3), dtype=int), sides, np.zeros(4, int)), "delaunay")
     >>> len(hull.triangles), len(carve(hull, sides).triangles)
     (3, 2)
     """
-    count = len(hull.points)
-    start, end = hull.triangles.ravel(), hull.triangles[:, [1, 2, 0]].ravel()
-    to_void = np.isin(start * count + end, boundary[:, 1] * count + boundary[:, 0])
-    region = regions(hull.triangles, hull.segments)
-    void = np.unique(region[np.flatnonzero(to_void) // 3])
-    return Triangulation(hull.points, hull.triangles[~np.isin(region, void)], hull.segments, hull.markers)
-
-
-def regions(triangles: Integers, barriers: Integers, among: NDArray[np.bool_] | None = None) -> Integers:
-    """Number of the region of each triangle, where regions hang together across edges other than the barriers.
-
-    With ``among``, only these triangles are linked to one another.
-    """
-    from scipy.sparse import coo_array
-    from scipy.sparse.csgraph import connected_components
-
-    first, second = paired_half_edges(triangles)
-    start, end = triangles.ravel()[first], triangles[:, [1, 2, 0]].ravel()[first]
-    pairs = np.sort(barriers, axis=1)
-    count = int(triangles.max()) + 1
-    keys = np.minimum(start, end) * count + np.maximum(start, end)
-    linked = (second >= 0) & ~np.isin(keys, pairs[:, 0] * count + pairs[:, 1])
-    left, right = first[linked] // 3, second[linked] // 3
-    if among is not None:
-        both = among[left] & among[right]
-        left, right = left[both], right[both]
-    shape = (len(triangles), len(triangles))
-    graph = coo_array((np.ones(len(left), np.int8), (left, right)), shape=shape)
-    region: Integers = connected_components(graph, directed=False)[1].astype(np.int64)
-    return region
+    kept = within(hull.triangles, hull.segments, boundary)
+    return Triangulation(hull.points, kept, hull.segments, hull.markers)
