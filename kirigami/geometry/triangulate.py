@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from kirigami.errors import GeometryError
 from kirigami.geometry.topology import boundary_pairs, pair_keys, within
+from kirigami.primitives.checks import require_choice
 
 Integers = NDArray[np.int64]
 Floats = NDArray[np.float64]
@@ -41,14 +42,13 @@ def chosen_mesher(name: str | None = None) -> str:
     >>> chosen_mesher("delaunay")
     'delaunay'
     """
-    wanted = name or os.environ.get("KIRIGAMI_MESHER")
     there = importlib.util.find_spec("triangle") is not None
-    if not wanted:
+    wanted: str | None = name if name is not None else os.environ.get("KIRIGAMI_MESHER") or None
+    if wanted is None:
         return "triangle" if there else "delaunay"
-    if wanted not in MESHERS:
-        raise GeometryError(f"mesher must be one of {', '.join(map(repr, MESHERS))}, not {wanted!r}")
+    wanted = require_choice(wanted, MESHERS, "mesher", "Sheet.mesh", GeometryError)
     if wanted == "triangle" and not there:
-        raise GeometryError("mesher \"triangle\" needs the package triangle: pip install triangle, or use \"delaunay\"")
+        raise GeometryError('mesher "triangle" needs the package triangle: pip install triangle, or use "delaunay"')
     return wanted
 
 

@@ -157,7 +157,7 @@ def test_which_one_is_taken(monkeypatch):
     assert clean(sheet.outline).mesher == "delaunay"
     with pytest.raises(kg.GeometryError, match="needs the package triangle.*or use \"delaunay\""):
         sheet.mesh(0.2, mesher="triangle")
-    with pytest.raises(kg.GeometryError, match="mesher must be one of 'triangle', 'delaunay', not 'netgen'"):
+    with pytest.raises(kg.GeometryError, match="mesher must be one of 'triangle', 'delaunay', got 'netgen'"):
         sheet.mesh(0.2, mesher="netgen")
 
 
