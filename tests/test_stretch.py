@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from pathlib import Path
 from typing import Any
 
@@ -12,6 +13,7 @@ from shapely.affinity import rotate, scale
 
 import kirigami as kg
 from kirigami.drawing.drawing import Drawing
+from kirigami.results.doubts import doubts
 
 MYLAR = kg.Material(E=3.5e9, nu=1 / 3)
 FLAT = {"accuracy": "draft", "amplitude": 0.0}
@@ -230,3 +232,16 @@ def test_a_draft_does_not_warn_of_what_its_error_bar_says(recwarn: Any) -> None:
     res = kg.stretch(two_slits(), strain=1e-3, accuracy="draft", nodes=200, amplitude=0)
     assert not [warning for warning in recwarn if "free edges" in str(warning.message)]
     assert "free edges" in res.summary() and res.error.rung["force"][-1] > 0.01
+
+
+@pytest.mark.parametrize(
+    "material, strain", [(kg.Orthotropic(5e9, 2e9, 0.3, 1e9), 0.01), (kg.NeoHookean(1e6), 0.2)], ids=["grain", "rubber"]
+)
+def test_a_draft_of_what_bars_cannot_stand_for(material: Any, strain: float) -> None:
+    """By shell facets, and it says so; rubber has a law of its own at large strain, so that no lock is told."""
+    sheet, told = kg.Sheet(shapely.box(0, 0, 0.05, 0.1), (), 1e-4, material), []
+    with warnings.catch_warnings():
+        warnings.simplefilter("error", kg.KirigamiWarning)
+        res = kg.stretch(sheet, strain, max_edge=0.05, say=told.append, **FLAT)
+    assert any("shell facets" in line for line in told) and "shell" in res.energy
+    assert not any("linear" in line for line in doubts(res))

@@ -48,6 +48,7 @@ class ShellFacetKernel(NaturalKernel):
     measures_displacement = True
     compile_from = 200  # a facet is as much work as many bars
     approximates = True
+    linear_law = True  # whether forces are the section times the elastic deformation
 
     def __init__(
         self,
@@ -267,6 +268,16 @@ class ShellFacetKernel(NaturalKernel):
         weighted = fields @ self.section
         weighted += weighted.sum(axis=1, keepdims=True)
         return np.asarray(weighted * (self.chart.area / 12)[:, None, None])
+
+    def borne_deformation(self, x: Array, lam: float) -> Array:
+        """Strain and curvature (n, 3, 6) at the corners that the section at rest answers with the forces borne: the
+        elastic part, of what yields; the deformation itself, where the law is linear."""
+        fields = self._elastic(self._fields(x), lam)
+        if self.linear_law:
+            return fields
+        felt = self._answer(fields, need=1).resultants  # the inverse of _resultants
+        weighted = (felt - felt.sum(axis=1, keepdims=True) / 4) * (12 / self.chart.area)[:, None, None]
+        return np.asarray(np.linalg.solve(self.section, weighted.transpose(0, 2, 1)).transpose(0, 2, 1))
 
     def deformation(self, x: Array) -> Array:
         """Mean strain and curvature of each facet (n, 6): (exx, eyy, gamma_xy, kxx, kyy, 2 kxy), the first axis along

@@ -75,6 +75,8 @@ def membrane(modulus: Array, strain: Array) -> tuple[Array, Array, Array]:
 class RubberShellKernel(ShellFacetKernel):
     """All shell facets of a sheet of which some are rubber: those whose ``rubber`` (n,), E t, is not zero."""
 
+    linear_law = False
+
     def __init__(self, rest: Array, *given: Any, rubber: Array, **named: Any) -> None:
         super().__init__(rest, *given, **named)
         self.rubber = rubber

@@ -77,6 +77,7 @@ class YieldingShellKernel(ShellFacetKernel):
     """
 
     path_dependent = True
+    linear_law = False
 
     def __init__(
         self, rest: Array, *given: Any, thickness: Array, E: Array, nu: Array, yields: Array, **named: Any

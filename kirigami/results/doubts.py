@@ -6,7 +6,6 @@ is warned of where it is made (:mod:`kirigami.geometry.sizing`).
 
 from __future__ import annotations
 
-from contextlib import suppress
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -23,6 +22,7 @@ from kirigami.results.yielding import yield_words
 
 if TYPE_CHECKING:
     from kirigami.geometry.mesh import TriMesh
+    from kirigami.primitives.material import SheetMaterial
 
 THICK = 0.2  # thickness over the width of a ligament beyond which shear bends it as well: 1 to 2 % at 0.2
 ELASTIC = 0.05  # strain beyond which hardly any sheet is linear
@@ -51,7 +51,7 @@ def doubts(results: Results) -> list[str]:
         return yield_words(results)
     told = words_on_crossings(results) + _ligaments(results, mesh) + _free_edges(results, mesh) + yield_words(results)
     constants = results.sheet_constants
-    if len(results) and constants is not None and all(m.yield_stress is None for m in constants.materials):
+    if len(results) and constants is not None and all(_only_linear(m) for m in constants.materials):
         told += _strain(results, mesh)
     if any(tips(mesh, cut) for cut in range(len(mesh.cuts))):
         told.append(
@@ -68,9 +68,17 @@ def worth(results: Results) -> list[str]:
     told: list[str] = []
     if results.mesh is None:
         return doubts(results)
-    with suppress(AnalysisError):  # no estimate of what is no sheet
+    try:
         told.append(str(results.error))
+    except AnalysisError as error:  # no estimate of what is no sheet, or moves
+        if results.sheet_constants is not None and not results.moves:
+            told.append(str(error).partition("\n")[0])
     return told + doubts(results)
+
+
+def _only_linear(material: SheetMaterial) -> bool:
+    """Whether nothing else than this law knows where the material ends to be linear."""
+    return not material.hyperelastic and material.yield_stress is None
 
 
 def _ligaments(results: Results, mesh: TriMesh) -> list[str]:

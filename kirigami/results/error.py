@@ -4,9 +4,10 @@ Three parts, each estimated from the stored states alone:
 
 * *the mesh's*. The force is conjugate to the displacement that drives it, so that its relative error is that of the
   energy: the energy of what lies between the deformation and a smoother one (:mod:`kirigami.results.recovery`) over the
-  energy stored. Of another quantity J it is the work that this does on the same of the dual state z, K z = dJ/du with
-  the tangent stiffness K at the step (Becker and Rannacher, 2001), facet by facet: its sum, and a share of the sum of
-  its sizes for what has cancelled. The edge of a cut is an arc where the area takes its chord: that is added.
+  energy stored and dissipated. Of another quantity J it is the work that this does on the same of the dual state z,
+  K z = dJ/du with the tangent stiffness K at the step (Becker and Rannacher, 2001), facet by facet: its sum, and a
+  share of the sum of its sizes for what has cancelled. The edge of a cut is an arc where the area takes its chord: that
+  is added.
 * *the rung's*. Bars and hinges, and flat facets, do not store the energy that the theory of plates gives to their
   deformation; to first order the force and J are off by the difference. Shell facets obey the theory.
 * *the tolerance's*: the unbalanced force over the reactions.
@@ -108,8 +109,8 @@ def estimated_error(results: Results) -> ErrorBar:
     Raises
     ------
     AnalysisError
-        The model was not made from a mesh, or moves; or it has bars, hinges or flat facets on a
-        mesh that was not drawn flat, whose curvature is not known.
+        The model was not made from a mesh, or moves; its bars and hinges can yield; or it has bars, hinges or flat
+        facets on a mesh that was not drawn flat, whose curvature is not known.
     """
     mesh = results.mesh
     if mesh is None or results.sheet_constants is None:
@@ -125,6 +126,10 @@ def estimated_error(results: Results) -> ErrorBar:
             "the error of bars, hinges and flat facets is estimated on meshes that were drawn flat; of "
             "stiffness='shell' on any",
             results=results,
+        )
+    if recovery.shell is None and not results.linear and any(k.plastic() is not None for k in results.kernels):
+        raise AnalysisError(
+            "the error of bars and hinges that can yield is not estimated; of stiffness='shell' it is", results=results
         )
     force, of_mesh, of_rung = _of_force(results, recovery)
     quantities = {"open_area": _opening, "height": _heights}
@@ -151,28 +156,35 @@ def _of_force(results: Results, recovery: Recovery) -> tuple[Array, Array, Array
     """The error of the force at every step, and the parts of mesh and rung in it: too coarse a mesh is too stiff, and a
     rung that stores less than it should is too soft."""
     chosen = _some(len(results), ENERGIES)
-    stored, lost, off = np.zeros((3, len(chosen)))
+    taken, lost, off = np.zeros((3, len(chosen)))
     for number, step in enumerate(results[k] for k in chosen.tolist()):
-        stored[number] = sum(
-            results.member_energy(kernel, step).sum() for kernel in results.kernels if kernel.stores_energy
-        )
+        taken[number] = _taken(results, step)
         state = recovery.state(step)
         fields = recovery.fields(step, state)
-        smooth = recovery.smooth(fields)
-        lost[number] = 0.5 * sum(part.sum() for part in recovery.work(smooth - fields, smooth - fields))
+        lost[number] = sum(part.sum() for part in recovery.lost(step, fields))
         if state is not None:
+            smooth = recovery.smooth(fields)
             plate = _as_plate(recovery, fields, smooth, fields, smooth)
             off[number] = 0.5 * plate - state.membrane_energy.sum() - state.bending_energy.sum()
-    known = stored > NOTHING * stored.max(initial=0.0)
+    known = taken > NOTHING * taken.max(initial=0.0)
     both = np.abs(lost - off) + CANCELLED * np.minimum(lost, np.maximum(off, 0.0))
     shares = [
-        np.where(known, SAFETY * np.abs(part) / np.where(known, stored, 1.0), np.nan) for part in (both, lost, off)
+        np.where(known, SAFETY * np.abs(part) / np.where(known, taken, 1.0), np.nan) for part in (both, lost, off)
     ]
     return (
         _between(chosen, shares[0], len(results)),
         _between(chosen, shares[1], len(results)),
         _between(chosen, shares[2], len(results)),
     )
+
+
+def _taken(results: Results, step: Step) -> float:
+    """Energy stored, and dissipated by yield."""
+    total = sum(results.member_energy(kernel, step).sum() for kernel in results.kernels if kernel.stores_energy)
+    if not results.linear:
+        flowed = [kernel for kernel in results.kernels if kernel.plastic() is not None]
+        total += sum(results.member_dissipation(kernel, step).sum() for kernel in flowed)
+    return float(total)
 
 
 def _as_plate(recovery: Recovery, fields: Array, smooth: Array, rate: Array, smooth_rate: Array) -> float:
@@ -199,7 +211,9 @@ def _of_goals(recovery: Recovery, step: Step, goals: list[_Goal]) -> list[tuple[
         dual = tangent.solve(load)
         rate = recovery.rate(step, dual)
         smooth_rate = recovery.smooth(rate)
-        work = np.concatenate(recovery.work(smooth - fields, smooth_rate - rate))
+        borne = recovery.borne(step, fields)
+        smooth_borne = smooth if borne is fields else recovery.smooth(borne)
+        work = np.concatenate(recovery.work(smooth_borne - borne, smooth_rate - rate))
         mesh = abs(float(work.sum())) + CANCELLED * float(np.abs(work).sum()) + chord
         rung = 0.0
         if state is not None:

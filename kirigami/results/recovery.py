@@ -2,8 +2,7 @@
 
 What elements say of strain and curvature jumps from facet to facet; the exact ones do not. Their means over the facets
 round each node, linear in between, are nearer to the truth, and the difference is taken for the error (Zienkiewicz and
-Zhu, 1987). Nothing is averaged across cuts, whose lips have nodes of their own, across folds, or between facets of
-different section.
+Zhu, 1987). Nothing is averaged across cuts, whose lips have nodes of their own, across folds, or between facets whose sections jump.
 """
 
 from __future__ import annotations
@@ -27,6 +26,7 @@ if TYPE_CHECKING:
     from kirigami.geometry.mesh import TriMesh
 
 Index = NDArray[np.int64]
+JUMP = 0.3  # change of a section from facet to facet, over the section, from which on it is no smooth field
 FLAT = 1e-9  # largest height of a flat mesh over its size
 MEMBRANE, BENDING = slice(0, 3), slice(3, 6)
 ENGINEERING = np.array([1.0, 1.0, 2.0])
@@ -55,7 +55,7 @@ class Recovery:
         shells = [kernel for kernel in results.kernels if isinstance(kernel, ShellFacetKernel)]
         self.shell: ShellFacetKernel | None = shells[0] if len(shells) == 1 else None
         self.section = self._sections()
-        self.patch = _patches(results, mesh, self.section)
+        self.patch = _patches(results, mesh)
         corners = results.rest[mesh.triangles]
         along, across = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
         first = along / np.linalg.norm(along, axis=1)[:, None]
@@ -101,6 +101,31 @@ class Recovery:
             flat[:, BENDING] = np.stack([local[:, 0, 0], local[:, 1, 1], 2 * local[:, 0, 1]], axis=1)
         return np.repeat(flat[:, None], 3, axis=1)
 
+    def borne(self, step: Step, fields: Array) -> Array:
+        """The deformation (m, 3, 6) whose forces by plate theory are those borne: `fields` where the law is linear."""
+        if self.shell is None or self.shell.linear_law:
+            return fields
+        shell = self.shell
+        told: Array = self.results.told(shell, step, lambda x: shell.borne_deformation(x, step.lam))[self.row]
+        return told
+
+    def lost(self, step: Step, fields: Array) -> tuple[Array, Array]:
+        """Energy (m,) of each facet between the deformation and a smooth one, of stretching and of bending.
+
+        By a convex law W it lies between nothing and the work w = (N(s) - N(e)).(s - e), for whose N(s) stand the
+        smooth forces: half of w where the law is linear, all of it where the force no longer grows, as beyond yield.
+        Between these it is told by w over that of the section at rest.
+        """
+        beyond, borne = self.smooth(fields) - fields, self.borne(step, fields)
+        elastic = self.work(beyond, beyond)
+        if borne is fields:
+            return 0.5 * elastic[0], 0.5 * elastic[1]
+        found = []
+        for work, at_rest in zip(self.work(self.smooth(borne) - borne, beyond), elastic):
+            firm = np.divide(work, at_rest, out=np.ones_like(work), where=at_rest > 0)
+            found.append((1 - 0.5 * np.clip(firm, 0.0, 1.0)) * work)
+        return found[0], found[1]
+
     def rate(self, step: Step, change: Array) -> Array:
         """Change (m, 3, 6) of the deformation with a change (rows, dim) of all displacements."""
         largest = float(np.abs(change).max(initial=0.0))
@@ -142,16 +167,21 @@ class Recovery:
         return found[0], found[1]
 
 
-def _patches(results: Results, mesh: TriMesh, section: Array) -> Index:
+def _patches(results: Results, mesh: TriMesh) -> Index:
     """Numbers (m, 3) of the patches that the corners of facets belong to: those of :mod:`kirigami.results.smooth`,
-    parted also where the section changes."""
+    parted also where the section jumps, seen in the axes of the drawing: in those of facets a grain turns with them."""
     from scipy.sparse import coo_array
     from scipy.sparse.csgraph import connected_components
 
     triangles = mesh.triangles
     inner = np.flatnonzero((mesh.edge_facets[:, 1] >= 0) & ~mesh.edge_folded & ~folded_edges(results, mesh))
     one, two = mesh.edge_facets[inner].T
-    alike = np.abs(section[one] - section[two]).max(axis=(1, 2)) <= 1e-9 * np.abs(section[one]).max(axis=(1, 2))
+    alike = np.ones(len(one), dtype=bool)
+    if results.sheet_constants is not None:
+        section = results.sheet_constants.sections(len(triangles))
+        for part in (MEMBRANE, BENDING):
+            of_one, of_two = section[one, part, part], section[two, part, part]
+            alike &= np.abs(of_one - of_two).max(axis=(1, 2)) <= JUMP * np.abs(of_one).max(axis=(1, 2))
     one, two, ends = one[alike], two[alike], mesh.edges[inner[alike]]
     places = [
         np.stack([3 * facet + np.argmax(triangles[facet] == end[:, None], axis=1) for facet in (one, two)], axis=1)

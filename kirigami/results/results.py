@@ -305,7 +305,7 @@ class Results(ModelRecord):
         yielding = [kernel for kernel in self.kernels if kernel.plastic() is not None]
         if yielding and not self.linear:
             totals["dissipated"] = np.array(
-                [sum(self._dissipated(kernel, step).sum() for kernel in yielding) for step in self.steps]
+                [sum(self.member_dissipation(kernel, step).sum() for kernel in yielding) for step in self.steps]
             )
         if self.moves:
             totals["kinetic"] = np.array([step.kinetic for step in self.steps])
@@ -316,14 +316,15 @@ class Results(ModelRecord):
         order."""
         if not self.linear:
             found: Array = self.evaluate_at(kernel, step, lambda x: kernel.evaluate(x, step.lam, 0)).energy
-            return found if kernel.plastic() is None else found - self._dissipated(kernel, step)
+            return found if kernel.plastic() is None else found - self.member_dissipation(kernel, step)
         start = linear_contribution(kernel, self.configuration(), step.lam)
         assert start.gradient is not None
         u = self.rows(step)[kernel.conn]
         rate = start.gradient + 0.5 * hessian_product(kernel, start, u)
         return np.asarray(start.energy + (rate * u).sum(axis=(1, 2)))
 
-    def _dissipated(self, kernel: Kernel, step: Step) -> Array:
+    def member_dissipation(self, kernel: Kernel, step: Step) -> Array:
+        """Energy (members,) that members of one of the kernels have dissipated by yield up to a step [force length]."""
         lost: Array = self.evaluate_at(kernel, step, kernel.dissipated)
         return lost
 

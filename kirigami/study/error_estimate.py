@@ -215,8 +215,7 @@ def estimate_error(results: Results, step: int = -1) -> ErrorEstimate:
     recovery = Recovery(results, results.mesh)
     state = recovery.state(results[step])
     fields = recovery.fields(results[step], state)
-    beyond = recovery.smooth(fields) - fields
-    membrane, bending = (0.5 * part for part in recovery.work(beyond, beyond))
+    membrane, bending = recovery.lost(results[step], fields)
     if state is not None:
         energy = float((state.membrane_energy + state.bending_energy).sum())
     else:

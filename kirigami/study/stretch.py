@@ -92,7 +92,7 @@ def stretch(
         Of the pull; an angle is in degrees from x, counter-clockwise. The end the direction points to is moved.
     accuracy : {"draft", "standard", "fine"}
         How much to pay for: the stiffness, the budget of mesh nodes and the residual, each of which can be given by
-        itself as well.
+        itself as well. What bars and hinges cannot stand for is shell facets in a draft, too.
     thickness : float, optional
         Of the sheet [length]; None takes the sheet's own.
     material : Material, optional
@@ -167,7 +167,12 @@ def stretch(
         say(words)
     mesh = default_mesh(sheet, setting.lines, level.nodes if nodes is None else nodes, max_edge)
     say(f"{len(mesh.nodes)} nodes, {len(mesh.triangles)} facets" if mesh.sizing is None else f"mesh: {mesh.sizing}")
-    model = Model.from_mesh(mesh, stiffness=level.stiffness if stiffness is None else stiffness)
+    if stiffness is None:
+        stiffness = level.stiffness
+        if sheet.material is not None and not sheet.material.isotropic and stiffness != "shell":
+            stiffness = "shell"
+            say(f"shell facets, since bars and hinges cannot stand for {type(sheet.material).__name__}")
+    model = Model.from_mesh(mesh, stiffness=stiffness)
     chosen = setting.hold(model)
     model.imperfect(amplitude, seed=seed)
     start = None
@@ -292,7 +297,8 @@ def material_strain(results: Results, sheet: Sheet) -> Array:
     """Mean strain of the material (s,), sqrt(2 U / (E V)) with U the stored energy and V the volume of the sheet; of
     one that is not isotropic in the stiffer direction."""
     assert sheet.material is not None and sheet.thickness is not None
-    energy = np.sum(list(results.energy.values()), axis=0)
+    stored = [values for name, values in results.energy.items() if name not in ("dissipated", "kinetic")]
+    energy = np.sum(stored, axis=0)
     stiffness = uniaxial_stiffness(sheet.material.section(sheet.thickness))
     strain: Array = np.sqrt(np.maximum(2 * energy / (stiffness * sheet.area), 0.0))
     return strain
@@ -300,7 +306,7 @@ def material_strain(results: Results, sheet: Sheet) -> Array:
 
 def _warn_of_lock(results: Results, sheet: Sheet, drive: Drive) -> None:
     beyond = np.flatnonzero(material_strain(results, sheet) > LOCKED)
-    if beyond.size:
+    if beyond.size and sheet.material is not None and not sheet.material.hyperelastic:
         reached = drive.says(float(results.lam[beyond[0]]))
         warnings.warn(
             f"at a {drive.motion} of {reached} the material itself is strained by {100 * LOCKED:g} % on average: the "
