@@ -2,7 +2,8 @@
 
 What elements say of strain and curvature jumps from facet to facet; the exact ones do not. Their means over the facets
 round each node, linear in between, are nearer to the truth, and the difference is taken for the error (Zienkiewicz and
-Zhu, 1987). Nothing is averaged across cuts, whose lips have nodes of their own, across folds, or between facets whose sections jump.
+Zhu, 1987). Nothing is averaged across cuts, whose lips have nodes of their own, across folds, or between facets whose
+sections jump.
 """
 
 from __future__ import annotations
