@@ -53,7 +53,9 @@ class SizeField:
             distance = _distances(self.cut_samples, points)
             grown = self.cut_edge + GROWTH * np.maximum(distance - 0.5 * self.cut_edge, 0.0)
             wanted = np.minimum(grown, wanted)
-        return wanted if self.local is None else np.minimum(wanted, self.local(points))
+        if self.local is None or not len(points):  # a user's function need not know what to say of no point
+            return wanted
+        return np.minimum(wanted, self.local(points))
 
 
 def triangulate_drawing(

@@ -7,6 +7,8 @@ import pytest
 from test_pressure import square
 
 import kirigami as kg
+from kirigami.analysis.path.skew import solve
+from kirigami.linalg import factorize
 from kirigami.model.flow_pressure import FlowPressureKernel
 
 
@@ -51,3 +53,39 @@ def test_what_cannot_be_is_refused() -> None:
         kg.FlowPressure(1.0, (0, 0, 0))
     with pytest.raises(kg.ModelError, match="q must be"):
         kg.FlowPressure(float("inf"))
+
+
+def bent_flag(q: float = 0.15) -> kg.Results:
+    m = square("plate", 3)
+    m.add(kg.Fix(m.select(boundary="left"), clamp=True), kg.FlowPressure(q, (0, 0, 1)))
+    return kg.LoadControl(m, tol=1e-10).run()
+
+
+def test_corrections_know_the_skew_part_of_the_tangent() -> None:
+    """Moved along a solution, the forces change by the right-hand side; the symmetric part alone is off."""
+    res = bent_flag()
+    system, step = kg.System(res.model), res[-1]
+    system.history = step.history
+    u = res.rows(step)
+    q = system.reduce(u)
+    factor = factorize(system.matrix(system.stiffness_blocks(u, 1.0)))
+    rhs = np.cos(np.arange(len(q)))
+    size = 1e-7
+
+    def change(way: np.ndarray) -> np.ndarray:
+        ends = [system.imbalance(system.displacement(q + sign * size * way, 1.0), 1.0)[0] for sign in (1, -1)]
+        return (ends[0] - ends[1]) / (2 * size)
+
+    def wrong(way: np.ndarray) -> float:
+        scaled = way / np.abs(way).max()
+        return float(np.abs(change(scaled) - rhs / np.abs(way).max()).max() / np.abs(rhs / np.abs(way).max()).max())
+
+    assert wrong(solve(system, factor, q, 1.0, rhs)) < 1e-4
+    assert wrong(factor.solve(rhs)) > 1e-2
+
+
+def test_increments_in_a_strong_flow_stay_long() -> None:
+    """With the symmetric part alone each correction takes a share of the error, and increments shrink without end."""
+    res = bent_flag(3.0)
+    assert len(res) < 40
+    assert res.stats["iterations"] < 6 * len(res)

@@ -186,3 +186,16 @@ def test_what_the_budget_cannot_resolve_is_told():
 def test_bad_budgets_are_refused(arguments, message):
     with pytest.raises(kg.GeometryError, match=message):
         BAND.mesh(**arguments)
+
+
+def test_a_size_is_asked_of_points_only() -> None:
+    """A sheet without cuts has no point on one: a function that reduces over its points has nothing to say of none."""
+    asked = []
+
+    def size(points: np.ndarray) -> np.ndarray:
+        asked.append(len(points))
+        return 0.1 + np.abs(points[:, :, None] - [0.0, 0.5]).min(axis=(1, 2))
+
+    mesh = kg.Sheet([(0, 0), (1, 0), (1, 1), (0, 1)]).mesh(0.5, size=size)
+    assert min(asked) > 0
+    assert mesh.edge_lengths.min() < 0.15

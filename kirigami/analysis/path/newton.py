@@ -23,6 +23,7 @@ import numpy as np
 
 from kirigami.analysis.path.controls import Control
 from kirigami.analysis.path.points import Attempt, State
+from kirigami.analysis.path.skew import solve
 from kirigami.linalg import Factor, SingularMatrixError
 from kirigami.primitives.kernel import Ahead, Array, Tangent
 from kirigami.system.system import System
@@ -73,10 +74,10 @@ def correct(
             blocks = system.stiffness_blocks(u, lam, tangent)
             factor = factorize(blocks)
             with system.clock("solve"):
-                step_q = -factor.solve(residual) if relative > 0 else np.zeros_like(residual)
+                step_q = -solve(system, factor, q, lam, residual) if relative > 0 else np.zeros_like(residual)
                 step_lam = 0.0
                 if gap_q is not None or gap != 0:
-                    along = -factor.solve(system.load_rate(u, lam, blocks))
+                    along = -solve(system, factor, q, lam, system.load_rate(u, lam, blocks))
                     slope = gap_lam if gap_q is None else gap_lam + float(gap_q @ along)
                     if slope == 0 or not np.isfinite(slope):
                         return failed("the control does not act on the structure")

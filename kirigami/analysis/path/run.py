@@ -13,6 +13,7 @@ from kirigami.analysis.path.increments import Increments
 from kirigami.analysis.path.newton import BLOCKED, correct
 from kirigami.analysis.path.points import Attempt, Point, State, Stiffness, Tangent
 from kirigami.analysis.path.settings import PathSettings
+from kirigami.analysis.path.skew import solve
 from kirigami.errors import ConvergenceError
 from kirigami.linalg import Factor, SingularMatrixError
 from kirigami.primitives.kernel import Ahead, Array
@@ -155,7 +156,8 @@ class PathRun(Run):
         """The tangent at an equilibrium, from its stiffness."""
         system = self.system
         with system.clock("solve"), np.errstate(all="ignore"):
-            rate = -stiffness.factor.solve(system.load_rate(state.u, state.lam, stiffness.blocks))
+            towards = system.load_rate(state.u, state.lam, stiffness.blocks)
+            rate = -solve(system, stiffness.factor, state.q, state.lam, towards)
         return Tangent(stiffness.blocks, stiffness.factor, rate)
 
     def factorize_blocks(self, blocks: Array) -> Factor:
