@@ -37,6 +37,7 @@ LAYER = 0.25  # layer over the thickness
 OF_EDGES = 0.25  # largest layer over the median edge
 SOFTER = 1e-4  # pressure of the barrier over the stiffness of a node at rest by the thickness, about E
 ITERATIONS = 2000  # most of one continuous detection; then a shorter step is as good an answer
+REACH = 0.15  # how far a node may move before pairs are searched for again, over the thickness
 KERF = 1.05  # distance of the lips of a slit at rest on the surface that is held, over the thickness
 OWNER = "SelfContact"
 
@@ -212,7 +213,7 @@ class SelfContactKernel(Kernel):
         self._barrier = ipctk.BarrierPotential(self.layer, self.stiffness, True)
         self._detection = ipctk.AdditiveCCD(max_iterations=ITERATIONS)
         self._search = ipctk.LBVH()
-        self._reach = 0.5 * self.thickness  # how far a node may move before pairs are searched for again
+        self._reach = REACH * self.thickness  # how far a node may move before pairs are searched for again
         self._lips = close_pairs(self._surface, self.held_at(rest), self.thickness, ipctk)
         self._apart = np.zeros(len(self._lips))
         self._facets: dict[tuple[int, ...], list[int]] = {}
@@ -302,11 +303,11 @@ class SelfContactKernel(Kernel):
         """Raise a ModelError where the rest state crosses itself or has a gap less than the thickness; lips of a slit
         coincide where the nodes (n + f, 3) are `drawn`."""
         places = self.held_at(self.rest)
+        self._check_crossings(places)
         check_gaps(self._lips, places, drawn, self.edges, len(self.conn), self.thickness, OWNER)
         self.check_start(self.rest)
 
-    def check_start(self, x: Array) -> None:
-        places = self.held_at(x)
+    def _check_crossings(self, places: Array) -> None:
         found = crossings(places, self.edges, self.triangles)
         if len(found):
             where = ", ".join("(" + ", ".join(f"{value:.4g}" for value in place) + ")" for place in found[:3])
@@ -314,6 +315,10 @@ class SelfContactKernel(Kernel):
                 f"{OWNER}: the sheet crosses itself or an obstacle where it starts, at {len(found)} places: {where}; "
                 "a barrier cannot undo that: start from a state, or draw a sheet, that is free of crossings"
             )
+
+    def check_start(self, x: Array) -> None:
+        places = self.held_at(x)
+        self._check_crossings(places)
         pairs = self._ipctk.NormalCollisions()
         pairs.build(self._surface, places, self.layer, self.least, self._search)
         if not len(pairs):

@@ -23,6 +23,7 @@ from kirigami.system.apart import ApartKernel, kernels_apart, require_apart
 from kirigami.system.assembly import BlockPlan, Index, PickPlan, compiled_largest_turn, scatter_add, twins
 from kirigami.system.blocks import Blocks, more_of
 from kirigami.system.clock import Clock
+from kirigami.system.coupling_plan import CouplingPlan
 from kirigami.system.unknowns import Unknowns
 
 ROUNDING = 2e-15  # strain or angle [rad] that rounding alone may leave in a member
@@ -95,6 +96,7 @@ class System(Unknowns):
         if self._coupled and self.grips is not None:
             names = ", ".join(kernel.name for kernel in self._coupled)
             raise ModelError(f"{names} does not go with a Grip or RigidLink: hold and move nodes by Fix and Prescribe")
+        self.couplings = CouplingPlan(self.unknown, self.free, self.dim) if self._coupled else None
         self._blocks_plan: BlockPlan | None = None
         self._links: tuple[Index, Index, Array] | None = None
         self._pick_plan: PickPlan | None = None
@@ -349,17 +351,8 @@ class System(Unknowns):
         with self.clock("assembly"):
             if self._pick_plan is None:
                 self._pick_plan = PickPlan(self.plan, self.unknown, self.free, self.dim)
-            matrix, more = self._pick_plan.matrix(np.asarray(blocks)), more_of(blocks)
-            return matrix if more is None else (matrix + self._reduced(more)).tocsc()
-
-    def _reduced(self, more: Any) -> Any:
-        """A sparse matrix over all displacements, summed onto the unknowns."""
-        from scipy.sparse import coo_matrix
-
-        entries = more.tocoo()
-        row, column = self.unknown[entries.row], self.unknown[entries.col]
-        kept = (row >= 0) & (column >= 0)
-        return coo_matrix((entries.data[kept], (row[kept], column[kept])), shape=(self.free, self.free)).tocsc()
+            matrix = self._pick_plan.matrix(np.asarray(blocks))
+            return matrix if self.couplings is None else self.couplings.matrix(matrix, more_of(blocks))
 
     def stiffness(self, u: ArrayLike | None = None, lam: float = 0.0, constrained: bool = True) -> Any:
         """Tangent stiffness as a scipy CSC matrix.

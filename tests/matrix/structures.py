@@ -32,16 +32,25 @@ def drawn() -> tuple[np.ndarray, np.ndarray]:
     return points, np.array(facets)
 
 
-def sheet(rung: str, dim: int, change: Change, drive: float = 1.0, fold: float | None = None) -> kg.Model:
-    """The square on a rung; with a fold across it of this stiffness per length."""
+def of_sheet(change: Change, limit: float | None = None) -> kg.Material:
+    """The material of sheets, with a yield stress or without."""
+    pressure = change.force / change.length**2
+    density = DENSITY * change.force / change.length**4  # of a mass that is a force over length per time squared
+    flow = {} if limit is None else {"yield_stress": limit * pressure, "hardening": 0.05 * E * pressure}
+    return kg.Material(E=E * pressure, nu=NU, density=density, **flow)
+
+
+def sheet(
+    rung: str, dim: int, change: Change, drive: float = 1.0, fold: float | None = None, limit: float | None = None
+) -> kg.Model:
+    """The square on a rung; with a fold across it of this stiffness per length; with a yield stress."""
     points, facets = drawn()
     order = change.order(len(points))
     new = np.argsort(order)  # where each old node stands now
     facets = new[facets][change.order(len(facets))]
     if change.mirrors:
         facets = facets[:, [0, 2, 1]]
-    density = DENSITY * change.force / change.length**4  # of a mass that is a force over length per time squared
-    material = kg.Material(E=E * change.force / change.length**2, nu=NU, density=density)
+    material = of_sheet(change, limit)
     creased = [] if fold is None else [kg.FoldEdges(new[FOLD], stiffness=fold * change.force)]
     mesh = kg.TriMesh(change.places(points)[order][:, : 2 if change.flat else 3], facets, folds=creased)
     m = kg.Model.from_mesh(mesh, THICKNESS * change.length, material, rung, dim=dim)
@@ -52,6 +61,38 @@ def sheet(rung: str, dim: int, change: Change, drive: float = 1.0, fold: float |
     m.add(kg.Fix([at[k] for k in BOTTOM], hold, clamp=dim == 3))
     m.add(kg.Prescribe([at[k] for k in TOP], **dict(zip(hold, move.tolist()))))
     m.add(kg.NodalLoad([at[k] for k in SIDE], pull[:dim]))
+    return m
+
+
+def stacked(
+    rung: str, change: Change, drive: float = 1.0, limit: float | None = None, friction: float = 0.0
+) -> kg.Model:
+    """A small square above a larger one that is held at its rim, pressed on it and moved aside; with self-contact."""
+
+    def plate(count: int, size: float, corner: float, height: float) -> tuple[np.ndarray, np.ndarray]:
+        x, y = np.meshgrid(*[np.linspace(corner, corner + size, count)] * 2)
+        first = [count * row + column for row in range(count - 1) for column in range(count - 1)]
+        facets = [part for a in first for part in ((a, a + 1, a + count + 1), (a, a + count + 1, a + count))]
+        return np.column_stack([x.ravel(), y.ravel(), np.full(count**2, height)]), np.array(facets)
+
+    (low, below), (high, above) = plate(4, 1.0, 0.0, 0.0), plate(3, 0.55, 0.19, 0.06)
+    points, facets = np.concatenate([low, high]), np.concatenate([below, above + len(low)])
+    order = change.order(len(points))
+    new = np.argsort(order)
+    facets = new[facets][change.order(len(facets))]
+    if change.mirrors:
+        facets = facets[:, [0, 2, 1]]
+    mesh = kg.TriMesh(change.places(points)[order], facets)
+    m = kg.Model.from_mesh(mesh, THICKNESS * change.length, of_sheet(change, limit), rung)
+    at = [m.nodes[k] for k in new]
+    rim = [k for k, (x, y, _) in enumerate(low) if min(x, y, 1 - x, 1 - y) < 0.1]
+    driven = [len(low) + k for k in (1, 3, 4, 5, 7)]
+    move = change.places(drive * np.array([0.03, 0.01, -0.05]))
+    m.add(kg.Fix([at[k] for k in rim]), kg.Prescribe([at[k] for k in driven], **dict(zip("xyz", move.tolist()))))
+    m.add(kg.NodalLoad([at[k] for k in (5, 10)], change.forces(drive * np.array([4.0, 1.0, 2.0]))))
+    stiffness = 1e-2 * E * change.force / change.length**2
+    layer = 0.4 * THICKNESS * change.length
+    m.add(kg.SelfContact(layer=layer, stiffness=stiffness, friction=friction))
     return m
 
 
@@ -174,6 +215,15 @@ FOLDED: dict[str, Callable[[Change, float], kg.Model]] = {
 BUILT = {"truss": TRUSS, "tower": TOWER, "hinged strip": STRIP, "chain of springs": CHAIN}
 BUILT |= {"stayed mast": STAYED_MAST, "stayed tower": STAYED_TOWER, "linked tower": LINKED_TOWER}
 STRUCTURES = SHEETS | PLANE | FOLDED | BUILT
+# What remembers: rows of a file of their own, since most of the matrix asks for what is no question of history.
+REMEMBERING: dict[str, Callable[[Change, float], kg.Model]] = {
+    "yielding shell": lambda change, drive=1.0: sheet("shell", 3, change, drive, limit=2e4),
+    "yielding plate": lambda change, drive=1.0: sheet("plate", 3, change, drive, limit=2e4),
+    "touching plate": lambda change, drive=1.0: stacked("plate", change, drive),
+    "touching shell": lambda change, drive=1.0: stacked("shell", change, drive),
+    "rubbing facet": lambda change, drive=1.0: stacked("facet", change, drive, friction=0.4),
+    "yielding and touching": lambda change, drive=1.0: stacked("shell", change, drive, limit=1e4, friction=0.4),
+}
 PLANAR = {*PLANE, "truss", "chain of springs", "stayed mast"}
 
 
