@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from shapely import LineString, box
 
 import kirigami as kg
 from kirigami.geometry.mesh import CutLoop
 from kirigami.post.opening import open_area
+from kirigami.results.cut_edges import CutEdges
 
 LENS = np.column_stack([np.cos(np.linspace(0, 2 * np.pi, 41)[:-1]), 0.1 * np.sin(np.linspace(0, 2 * np.pi, 41)[:-1])])
 
@@ -106,6 +108,40 @@ def test_results_know_their_open_area() -> None:
     res = kg.LoadControl(m, targets=[0.5]).run()
     assert res.open_area()[:, 0] == pytest.approx(lens_area(1, 0.1) * (1 + 0.5 * res.lam), rel=1e-12)
     assert res.open_area(union=True) == pytest.approx(res.open_area()[:, 0], rel=1e-12)
+
+
+def pulled_slit(nodes: int, stiffness: str = "shell") -> kg.Results:
+    """A slit sheet pulled in its plane, linear."""
+    sheet = kg.Sheet(box(0, 0, 1, 1), LineString([(0.25, 0.5), (0.75, 0.5)]), 0.01, kg.Material(1e6))
+    m = kg.Model.from_mesh(sheet.mesh(nodes=nodes), stiffness=stiffness)
+    top = m.select(boundary="top")
+    m.add(kg.Fix(m.nodes, "z"), kg.Fix(m.select(boundary="bottom"), "xy"), kg.Prescribe(top, x=0, y=1e-3))
+    return kg.LinearStatic(m).run()
+
+
+def test_lips_of_shell_facets_are_curves() -> None:
+    """Their opening is a third of the way off, or less, that its chords are; both converge to the same."""
+    coarse, fine = pulled_slit(150), pulled_slit(800)
+    chords = [open_area(res.position(), res.mesh.cuts)[-1, 0] for res in (coarse, fine)]
+    curves = [res.open_area()[-1, 0] for res in (coarse, fine)]
+    limit = curves[1] + (curves[1] - curves[0]) / (len(fine.rest) / len(coarse.rest) - 1)  # errors go with h^2
+    assert abs(curves[0] / limit - 1) < 0.5 * abs(chords[0] / limit - 1) < 0.02
+    assert abs(curves[1] / chords[1] - 1) < 0.25 * abs(curves[0] / chords[0] - 1)
+    assert coarse.open_area(union=True) == pytest.approx(coarse.open_area()[:, 0], rel=1e-12)
+    assert abs(curves[0] / limit - 1) < coarse.error["open_area"][-1] < 5 * abs(curves[0] / limit - 1)
+
+
+def test_area_within_parabolas() -> None:
+    """2/3 of bulge times chord beyond each chord; the derivative is that of differences."""
+    square = np.array([(0.0, 0), (1, 0), (1, 1), (0, 1)])
+    rows = np.concatenate([square, [(0, -0.3), (0.2, 0), (0, 0.1)]])
+    edges = CutEdges(np.arange(4), np.array([1, 2, 3, 0]), np.array([4, 5, 6, -1]))
+    area, rate = edges.area(rows)
+    assert area == pytest.approx(1 + 2 / 3 * (0.3 + 0.2 + 0.1), rel=1e-14)
+    for place in np.ndindex(*rows.shape):
+        sides = [edges.area(rows + sign * 1e-6 * (np.arange(14).reshape(7, 2) == np.ravel_multi_index(place, (7, 2))))
+                 for sign in (1, -1)]  # fmt: skip
+        assert (sides[0][0] - sides[1][0]) / 2e-6 == pytest.approx(rate[place], abs=1e-9)
 
 
 @pytest.mark.parametrize(

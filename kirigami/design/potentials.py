@@ -38,7 +38,7 @@ def potentials(adjoints: Sequence[Adjoint], system: System) -> list[float]:
                 assert told.gradient is not None
                 scatter_add(total, kernel.conn, told.gradient)
                 energy += float(told.energy.sum()) if kernel.stores_energy else 0.0
-            placed = x[: system.points] - at.configuration[: system.points]
+            placed = np.asarray(x) - np.asarray(at.configuration)
             forces[id(at)] = u, total, placed, energy
         u, total, placed, energy = forces[id(at)]
         value = float((adjoint.field(system, u) * total).sum()) + adjoint.told.by_energy * energy

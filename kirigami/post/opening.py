@@ -13,6 +13,8 @@ from kirigami.primitives.checks import require_array, require_boolean, require_i
 
 Floats = NDArray[np.float64]
 
+PARABOLA = ((0.0, 0.0), (0.25, 0.75), (0.5, 1.0), (0.75, 0.75))  # along an edge, and how much of its bulge is there
+
 
 def open_area(positions: ArrayLike, cuts: Sequence[Any], union: bool = False) -> Floats:
     """Area of the cut openings, projected on the xy plane.
@@ -59,13 +61,33 @@ def open_area(positions: ArrayLike, cuts: Sequence[Any], union: bool = False) ->
     loops = [_checked_loop(cut, number, points.shape[-2]) for number, cut in enumerate(listed)]
     require_boolean(union, "union", "open_area")
     steps = points[None] if points.ndim == 2 else points
-    if union:
-        area = np.array([_union_area(step, loops) for step in steps[..., :2]], dtype=float)
-    else:
-        area = np.zeros((len(steps), len(loops)))
-        for column, loop in enumerate(loops):
-            area[:, column] = _shoelace(steps[:, loop, :2])
+    area = areas([steps[:, loop, :2] for loop in loops], len(steps), union)
     return area[0] if points.ndim == 2 else area
+
+
+def areas(loops: Sequence[Floats], steps: int, union: bool, bulges: Sequence[Floats] | None = None) -> Floats:
+    """Area (s, cuts) within loops of points, each (s, k, 2), or (s,) of their union.
+
+    `bulges`, of the shape of the loops, are the offsets of the middles of their edges, from each point to the next,
+    from the mean of its ends: edges are parabolas then, and have 2/3 of bulge times chord beyond their chords.
+    """
+    if bulges is not None and any(part.any() for part in bulges):
+        loops = [_rounded(loop, part) for loop, part in zip(loops, bulges)]
+    if union:
+        return np.array([_union_area([loop[step] for loop in loops]) for step in range(steps)], dtype=float)
+    area = np.zeros((steps, len(loops)))
+    for column, loop in enumerate(loops):
+        area[:, column] = _shoelace(loop)
+    return area
+
+
+def _rounded(loop: Floats, bulge: Floats) -> Floats:
+    """Loops (s, 4 k, 2) with three points on every edge of (s, k, 2) that bulges; 1/15 farther out than on the
+    parabola, so that the polygon has the very area under it."""
+    after = np.roll(loop, -1, axis=1)
+    parts = [loop + along * (after - loop) + up * 16 / 15 * bulge for along, up in PARABOLA]
+    found: Floats = np.stack(parts, axis=2).reshape(len(loop), -1, 2)
+    return found
 
 
 def _checked_loop(cut: Any, number: int, nodes: int) -> NDArray[np.int64]:
@@ -82,10 +104,10 @@ def _shoelace(loop: Floats) -> Floats:
     return area
 
 
-def _union_area(points: Floats, loops: list[NDArray[np.int64]]) -> float:
+def _union_area(loops: list[Floats]) -> float:
     from shapely import union_all
 
-    return float(union_all([face for loop in loops for face in _open_faces(points[loop])]).area)
+    return float(union_all([face for loop in loops for face in _open_faces(loop)]).area)
 
 
 def _open_faces(loop: Floats) -> list[Any]:

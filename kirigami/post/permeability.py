@@ -90,7 +90,14 @@ def slit_permeability(
     """
     points = _checked_positions(positions, "slit_permeability")
     cuts = require_items(cuts, "cuts", "slit_permeability")
-    area = np.clip(np.atleast_2d(open_area(points, cuts)), 0.0, None)
+    return _of_openings(points, cuts, np.atleast_2d(open_area(points, cuts)), sheet_area, length)
+
+
+def _of_openings(
+    points: Floats, cuts: Sequence[Any], area: Floats, sheet_area: ArrayLike, length: str | ArrayLike
+) -> Floats:
+    """Permeability of openings whose area (s, cuts) is known."""
+    area = np.clip(area, 0.0, None)
     steps = points if points.ndim == 3 else points[None]
     total = require_array(sheet_area, (), (len(steps),), name="sheet_area", owner="permeability")
     if not (total > 0).all():
@@ -183,7 +190,7 @@ def permeability(
         sheet = area if sheet == "deformed" else area[0]
     if isinstance(length, str) and length == "rest":
         length = [0.5 * float(_perimeter(results.rest[None, cut.loop, :2])[0]) for cut in chosen]
-    return slit_permeability(results.position(), chosen, sheet, length)
+    return _of_openings(results.position(), chosen, results.open_area()[:, list(numbers)], sheet, length)
 
 
 def outlined_area(positions: ArrayLike, triangles: ArrayLike, cuts: Sequence[Any]) -> Floats:

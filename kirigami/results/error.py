@@ -6,8 +6,8 @@ Three parts, each estimated from the stored states alone:
   energy: the energy of what lies between the deformation and a smoother one (:mod:`kirigami.results.recovery`) over the
   energy stored and dissipated. Of another quantity J it is the work that this does on the same of the dual state z,
   K z = dJ/du with the tangent stiffness K at the step (Becker and Rannacher, 2001), facet by facet: its sum, and a
-  share of the sum of its sizes for what has cancelled. The edge of a cut is an arc where the area takes its chord: that
-  is added.
+  share of the sum of its sizes for what has cancelled. The edge of a cut is an arc where the area of the rungs below
+  the shell takes its chord: that is added.
 * *the rung's*. Bars and hinges, and flat facets, do not store the energy that the theory of plates gives to their
   deformation; to first order the force and J are off by the difference. Shell facets obey the theory.
 * *the tolerance's*: the unbalanced force over the reactions.
@@ -27,6 +27,7 @@ import numpy as np
 from kirigami.errors import AnalysisError
 from kirigami.linalg import SingularMatrixError
 from kirigami.primitives.kernel import Array
+from kirigami.results.cut_edges import cut_edges
 from kirigami.results.recovery import BENDING, MEMBRANE, Recovery
 from kirigami.results.results import Results
 from kirigami.results.sheet_state import SheetState
@@ -239,20 +240,17 @@ def _borne(recovery: Recovery, state: SheetState, rate: Array) -> float:
 
 def _opening(recovery: Recovery, step: Step) -> tuple[Array, float]:
     results, mesh = recovery.results, recovery.mesh
-    rows = len(results.rest) + len(results.inner_rest)
-    gradient = np.zeros((rows, results.dim))
-    place = (results.rest + step.u)[:, :2]
+    gradient = np.zeros((len(results.rest) + len(results.inner_rest), results.dim))
+    x = np.asarray(results.configuration(step))
     left_out = 0.0
-    for cut in mesh.cuts:
-        loop = np.asarray(cut.loop)
-        after, before = place[np.roll(loop, -1)], place[np.roll(loop, 1)]
-        area = 0.5 * float((place[loop, 0] * after[:, 1] - after[:, 0] * place[loop, 1]).sum())
+    for edges in cut_edges(mesh, results.kernels, len(results.rest)):
+        area, rate = edges.area(x)
         if area <= 0:
             continue
-        across = 0.5 * np.column_stack([after[:, 1] - before[:, 1], before[:, 0] - after[:, 0]])
-        for axis in (0, 1):
-            np.add.at(gradient[:, axis], loop, across[:, axis])
-        left_out += _over_chords(place[loop]) - _over_chords(results.rest[loop, :2])  # drawn corners stay corners
+        gradient += rate
+        if not edges.curved.any():
+            loop = edges.start
+            left_out += _over_chords(x[loop, :2]) - _over_chords(results.rest[loop, :2])  # drawn corners stay corners
     return gradient, abs(left_out)
 
 

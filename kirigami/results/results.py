@@ -456,7 +456,7 @@ class Results(ModelRecord):
     # ---- shape
 
     def open_area(self, union: bool = False) -> Array:
-        """Projected area of the cut openings [length^2].
+        """Projected area of the cut openings [length^2]; edges of shell facets are the parabolas that they are.
 
         Parameters
         ----------
@@ -468,11 +468,15 @@ class Results(ModelRecord):
         AnalysisError
             The model was not made from a mesh.
         """
-        from kirigami.post.opening import open_area
+        from kirigami.post.opening import areas
+        from kirigami.results.cut_edges import bulges, cut_edges
 
         if self.mesh is None:
             raise AnalysisError("open_area needs a model made by Model.from_mesh", results=self)
-        return open_area(self.position(), self.mesh.cuts, union=require_boolean(union, "union", "open_area"))
+        union = require_boolean(union, "union", "open_area")
+        edges, position = cut_edges(self.mesh, self.kernels, len(self.rest)), self.position()
+        loops = [position[:, each.start, :2] for each in edges]
+        return areas(loops, len(position), union, bulges(self, edges))
 
     @cached_property
     def error(self) -> ErrorBar:

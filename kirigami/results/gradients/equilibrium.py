@@ -147,10 +147,10 @@ class Equilibrium:
             assert found.gradient is not None
             scatter_add(forces, kernel.conn, found.gradient)
             energy += float(found.energy.sum()) if kernel.stores_energy else 0.0
-        positions = np.zeros((system.points, 3))
-        positions[:] = system.model.positions()
-        positions[:, : system.dim] = self.configuration[: system.points]
-        told = tell(positions, system.parted(forces)[0], energy)
+        rows = np.zeros((len(system.rest), 3))
+        rows[: system.points] = system.model.positions()
+        rows[:, : system.dim] = self.configuration
+        told = tell(rows, system.parted(forces)[0], energy)
         finite = all(np.isfinite(part).all() for part in told)
         if not finite:
             raise AnalysisError(f"{self.owner}: the functional returned numbers that are not finite")
@@ -161,8 +161,7 @@ class Equilibrium:
         system = self.system
         w = np.zeros_like(system.rest)
         w[: system.points] = told.by_force[:, : system.dim]
-        right = np.zeros_like(system.rest)
-        right[: system.points] = told.by_position[:, : system.dim]
+        right = told.by_position[:, : system.dim].copy()
         if w.any():
             blocks = system.stiffness_blocks(self.u, self.lam, carried=False)
             right += system.multiply(blocks, w)

@@ -317,8 +317,8 @@ def of_positions(adjoints: Sequence[Adjoint], owner: str) -> list[Array]:
                 for kernel, plus, minus in zip(system.kernels, ahead[0], behind[0]):
                     _share(column, group, rows, kernel.conn, plus, minus, full)
                 explicit = (ahead[1] - behind[1]).sum(axis=1)
-                mine = label >= 0
-                column[group] += np.bincount(label[mine], explicit[mine], len(group)) / (2 * step)
+                mine = rows >= 0
+                column[group] += np.bincount(rows[mine], explicit[mine], len(group)) / (2 * step)
                 rate[:, axis] += column
     return found
 
@@ -349,7 +349,7 @@ def _moved_work(adjoints: Sequence[Adjoint], offset: Array) -> list[tuple[list[A
     for adjoint in adjoints:
         v = adjoint.field(system, u)
         works = [member_work(kernel, x, at.lam, v, adjoint.told.by_energy) for kernel in system.kernels]
-        placed = np.zeros((system.points, 3))
-        placed[:, : system.dim] = x[: system.points] - at.configuration[: system.points]
+        placed = np.zeros((len(system.rest), 3))
+        placed[:, : system.dim] = x - at.configuration
         found.append((works, adjoint.told.by_position * placed))
     return found

@@ -13,6 +13,7 @@ from kirigami.primitives.checks import require_array, require_axis, require_fini
 from kirigami.primitives.kernel import Array
 from kirigami.primitives.node import AXES
 from kirigami.primitives.rotation import best_rotation, turned
+from kirigami.results.cut_edges import cut_edges
 from kirigami.results.results import Results, _direction
 from kirigami.results.supports import carried_by
 
@@ -22,7 +23,7 @@ KNOWN = "force, position, energy, open_area, height, width, poisson_ratio, shape
 
 
 class Told(NamedTuple):
-    """A number and its derivatives: by positions (n, 3), by nodal forces (n, 3) and by the stored energy."""
+    """A number and its derivatives: by the rows (rows, 3), by nodal forces (n, 3) and by the stored energy."""
 
     value: float
     by_position: Array
@@ -30,7 +31,8 @@ class Told(NamedTuple):
     by_energy: float = 0.0
 
 
-# Of positions (n, 3), forces (n, 3) of the supports on the nodes, and the stored energy.
+# Of the rows (rows, 3), which are the positions of nodes and what elements keep behind them, of forces (n, 3) of the
+# supports on the nodes, and of the stored energy.
 Tell = Callable[[Array, Array, float], Told]
 
 
@@ -61,8 +63,15 @@ def _parts(functional: Any, owner: str) -> tuple[Any, ...]:
     )
 
 
-def _zero(positions: Array) -> Array:
-    return np.zeros_like(positions)
+def _zero(like: Array) -> Array:
+    return np.zeros_like(like)
+
+
+def _of_rows(by_nodes: Array, rows: Array) -> Array:
+    """Derivatives by the nodes as those by all rows."""
+    found = np.zeros_like(rows)
+    found[: len(by_nodes)] = by_nodes
+    return found
 
 
 def _force(results: Results, nodes: Any, axis: Any) -> Tell:
@@ -77,37 +86,36 @@ def _position(results: Results, nodes: Any, axis: str) -> Tell:
     index, letter = results.node_index(nodes), AXES.index(require_axis(axis, "gradient"))
     weight = np.zeros_like(results.rest)
     np.add.at(weight[:, letter], index, 1.0 / len(index))
-    return lambda x, f, energy: Told(float((weight * x).sum()), weight, _zero(x))
+    return lambda x, f, energy: Told(float((weight * x[: len(weight)]).sum()), _of_rows(weight, x), _zero(f))
 
 
 def _energy(results: Results) -> Tell:
-    return lambda x, f, energy: Told(energy, _zero(x), _zero(x), 1.0)
+    return lambda x, f, energy: Told(energy, _zero(x), _zero(f), 1.0)
 
 
 def _open_area(results: Results) -> Tell:
     if results.mesh is None:
         raise AnalysisError("gradient: open_area needs a model made by Model.from_mesh", results=results)
-    loops = [np.asarray(cut.loop) for cut in results.mesh.cuts]
+    cuts = cut_edges(results.mesh, results.kernels, len(results.rest))
 
     def tell(x: Array, f: Array, energy: float) -> Told:
         rate, total = _zero(x), 0.0
-        for loop in loops:
-            px, py = x[loop, 0], x[loop, 1]
-            total += 0.5 * float((px * np.roll(py, -1) - np.roll(px, -1) * py).sum())
-            np.add.at(rate[:, 0], loop, 0.5 * (np.roll(py, -1) - np.roll(py, 1)))
-            np.add.at(rate[:, 1], loop, 0.5 * (np.roll(px, 1) - np.roll(px, -1)))
-        return Told(total, rate, _zero(x))
+        for edges in cuts:
+            area, by_rows = edges.area(x)
+            total, rate = total + area, rate + by_rows
+        return Told(total, rate, _zero(f))
 
     return tell
 
 
 def _height(results: Results) -> Tell:
     def tell(x: Array, f: Array, energy: float) -> Told:
-        high, low = int(np.argmax(x[:, 2])), int(np.argmin(x[:, 2]))
+        heights = x[: len(f), 2]
+        high, low = int(np.argmax(heights)), int(np.argmin(heights))
         rate = _zero(x)
         rate[high, 2] += 1.0
         rate[low, 2] -= 1.0
-        return Told(float(x[high, 2] - x[low, 2]), rate, _zero(x))
+        return Told(float(x[high, 2] - x[low, 2]), rate, _zero(f))
 
     return tell
 
@@ -139,7 +147,7 @@ def _measured(results: Results, name: str, measure: Callable[[Array, Any], Array
             values = measure(both, mesh)
             for row, (node, axis) in enumerate(part):
                 rate[node, axis] = (values[2 * row] - values[2 * row + 1]) / (2 * step)
-        return Told(float(measure(points[None], mesh)[0]), rate, _zero(x))
+        return Told(float(measure(points[None], mesh)[0]), rate, _zero(f))
 
     return tell
 
@@ -151,9 +159,9 @@ def _shape(results: Results, target: Any) -> Tell:
     arms = wanted - wanted.mean(axis=0)
 
     def tell(x: Array, f: Array, energy: float) -> Told:
-        now = x - x.mean(axis=0)
+        now = x[:count] - x[:count].mean(axis=0)
         apart = now - (arms + turned(best_rotation(arms, now), arms))
-        return Told(float((apart**2).sum() / count), 2 * apart / count, _zero(x))
+        return Told(float((apart**2).sum() / count), _of_rows(2 * apart / count, x), _zero(f))
 
     return tell
 
@@ -161,13 +169,15 @@ def _shape(results: Results, target: Any) -> Tell:
 def _own(function: Callable[..., Any], owner: str) -> Tell:
     """A user's function of positions and forces: it returns a number, or also its two derivatives (n, 3)."""
 
-    def tell(x: Array, f: Array, energy: float) -> Told:
+    def tell(rows: Array, f: Array, energy: float) -> Told:
+        x = rows[: len(f)]
         answer = function(x.copy(), f.copy())
         if isinstance(answer, tuple):
             if len(answer) != 3:
                 raise ModelError(f"{owner}: a functional returns a number, or (number, by positions, by forces)")
             rates = [require_array(part, x.shape, name="a derivative", owner=owner) for part in answer[1:]]
-            return Told(require_finite(answer[0], "what the functional returns", owner), rates[0], rates[1])
+            value = require_finite(answer[0], "what the functional returns", owner)
+            return Told(value, _of_rows(rates[0], rows), rates[1])
         value = require_finite(answer, "what the functional returns", owner)
         derivatives = []
         for given, size in ((x, float(np.ptp(x, axis=0).max())), (f, float(np.abs(f).max()))):
@@ -181,6 +191,6 @@ def _own(function: Callable[..., Any], owner: str) -> Tell:
                     sides.append(require_finite(function(*pair), "what the functional returns", owner))
                 rate[place] = (sides[0] - sides[1]) / (2 * step)
             derivatives.append(rate)
-        return Told(value, derivatives[0], derivatives[1])
+        return Told(value, _of_rows(derivatives[0], rows), derivatives[1])
 
     return tell
