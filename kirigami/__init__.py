@@ -61,6 +61,7 @@ _HOME = {
     "Spring": "effects.spring",
     "check_kernel": "primitives.check_kernel",
     "Sheet": "geometry.sheet",
+    "CellSheet": "geometry.cell_sheet",
     "Fold": "geometry.fold_line",
     "FoldEdges": "geometry.fold_line",
     "TriMesh": "geometry.mesh",
@@ -148,6 +149,7 @@ if TYPE_CHECKING:
     from kirigami.errors import MechanismError as MechanismError
     from kirigami.errors import ModelError as ModelError
     from kirigami.geometry import cuts as cuts
+    from kirigami.geometry.cell_sheet import CellSheet as CellSheet
     from kirigami.geometry.fold_line import Fold as Fold
     from kirigami.geometry.fold_line import FoldEdges as FoldEdges
     from kirigami.geometry.mesh import TriMesh as TriMesh

@@ -59,7 +59,7 @@ class LinearStatic(Analysis):
             u = system.small_displacement(q_constant + lam * q_rate, lam)
             run.store(run.make_step(u, lam, factor.negative, float("nan"), 1))
             # The residual of the linear equations, over the forces that the displacements cause block by block.
-            unbalanced = system.reduce(system.carried(results._row_gradients[-1], rest))
+            unbalanced = system.reduce(system.carried(results.row_gradients[-1], rest))
             caused = float(np.linalg.norm(system.multiply(np.abs(blocks), np.abs(u)))) or 1.0
             results.steps[-1] = replace(
                 results.steps[-1],

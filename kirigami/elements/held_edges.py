@@ -8,7 +8,7 @@ by their nodes; boundary edges need members that keep it.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -151,6 +151,41 @@ def _hinge_members(edges: Index, planes: Array, numbering: Numbering) -> list[Ke
 
 def _facet_members(edges: Index, planes: Array, numbering: Numbering) -> list[Kernel]:
     """Members that give facets back the angles of edges that are held, which were eliminated as those of free edges."""
+    given = given_back(edges, numbering)
+    place = {edge: row for row, edge in enumerate(edges.tolist())}
+    members: dict[int, list[tuple[Any, ...]]] = {}
+    for back in given:
+        turns, folds, nodes = [], [], list(back.corners)
+        for d, weight in back.weights.items():
+            at, edge = [d, STARTS[d], ENDS[d]], back.edges[d]
+            if edge in place:
+                turns.append((at, weight, planes[place[edge]]))
+            else:
+                folds.append(([*at, len(nodes)], 0.5 * weight))
+                nodes.append(back.wings[d])
+        members.setdefault(len(nodes), []).append((nodes, 4.0 * back.stiffness, turns, folds))
+    return [joined_members(HeldEdgeKernel, made, numbering.rest) for _, made in sorted(members.items())]
+
+
+class GivenBack(NamedTuple):
+    """The energy (stiffness / 2) (sum of weights * fold angles)^2 that a facet lost with a fold angle.
+
+    ``weights`` by the local number of the edge, each opposite its corner; ``edges`` are the edges of the mesh, and
+    ``wings`` the far corners beyond them, -1 where there are none.
+    """
+
+    stiffness: float
+    corners: list[int]
+    edges: list[int]
+    wings: list[int]
+    weights: dict[int, float]
+
+
+def given_back(edges: Index, numbering: Numbering, partners: Index | None = None) -> list[GivenBack]:
+    """What facets lost with the fold angles of edges of the boundary, one angle after the other.
+
+    Beyond an edge lies the mirror image of its facet, or the facet of the edge that is its partner.
+    """
     mesh, sheet = numbering.mesh, numbering.sheet
     table = facet_edges(mesh)
     facets = np.unique(mesh.edge_facets[edges, 0])
@@ -169,42 +204,43 @@ def _facet_members(edges: Index, planes: Array, numbering: Numbering) -> list[Ke
         np.broadcast_to(np.asarray(values, dtype=float), (count,))
         for values in (sheet.thickness, sheet.of_facets("E"), sheet.of_facets("nu"))
     )
-    softer = softness_beyond(mesh.triangles, rigidity_of(thickness, E, nu))
+    rigidity = rigidity_of(thickness, E, nu)
+    softer = softness_beyond(mesh.triangles, rigidity)
     if softer is not None:
         beyond = beyond * softer[facets]
-    across = np.where(inner, beyond, np.where(held, area[:, None], 0.0))
+    opposite = area[:, None] * np.ones(3)
+    if partners is not None:
+        other = np.full(len(mesh.edges), -1)
+        other[edges] = mesh.edge_facets[partners, 0]
+        other = other[of_facet]
+        opposite = mesh.facet_areas[other] * rigidity[facets][:, None] / rigidity[other]
+    across = np.where(inner, beyond, np.where(held, opposite, 0.0))
     to_curvature = curvature_from_folds(flat, area, across)
     matrix = fold_stiffness(to_curvature, area, thickness[facets], E[facets], nu[facets])
     for c in range(3):
         matrix = without_fold(matrix, c, ~inner[:, c] & ~held[:, c])[0]
-    place = {edge: row for row, edge in enumerate(edges.tolist())}
-    members: dict[int, list[tuple[Any, ...]]] = {}
+    found = []
     for c in range(3):
         matrix, pivot, row = without_fold(matrix, c, held[:, c])
         for f in np.flatnonzero(pivot > 0).tolist():
-            turns, folds, nodes = [], [], corners[f].tolist()
-            for d in range(3):
-                at = [d, STARTS[d], ENDS[d]]
-                if held[f, d] and row[f, d]:
-                    turns.append((at, row[f, d], planes[place[int(of_facet[f, d])]]))
-                elif inner[f, d]:
-                    folds.append(([*at, len(nodes)], 0.5 * row[f, d]))
-                    nodes.append(int(wing[f, d]))
-            members.setdefault(len(nodes), []).append((nodes, 4.0 * pivot[f], turns, folds))
-    return [_joined(made, numbering.rest) for _, made in sorted(members.items())]
+            weights = {d: float(row[f, d]) for d in range(3) if inner[f, d] or (held[f, d] and row[f, d])}
+            found.append(
+                GivenBack(float(pivot[f]), corners[f].tolist(), of_facet[f].tolist(), wing[f].tolist(), weights)
+            )
+    return found
 
 
-def _joined(members: list[tuple[Any, ...]], rest: Array) -> Kernel:
-    """One kernel of members with one number of nodes."""
+def joined_members(made: type[HeldEdgeKernel], members: list[tuple[Any, ...]], rest: Array) -> Kernel:
+    """One kernel of members (nodes, stiffness, turns, folds) with one number of nodes."""
     turns = [(number, *turn) for number, (_, _, found, _) in enumerate(members) for turn in found]
     folds = [(number, *fold) for number, (_, _, _, found) in enumerate(members) for fold in found]
-    planes = np.array([turn[3] for turn in turns])
-    return HeldEdgeKernel(
+    planes = np.array([turn[3] for turn in turns]).reshape(-1, 3)
+    return made(
         rest,
         np.array([nodes for nodes, *_ in members], dtype=np.int64),
         np.array([stiffness for _, stiffness, *_ in members]),
         np.array([turn[0] for turn in turns], dtype=np.int64),
-        np.array([turn[1] for turn in turns], dtype=np.int64),
+        np.array([turn[1] for turn in turns], dtype=np.int64).reshape(-1, 3),
         np.array([turn[2] for turn in turns]),
         planes,
         np.asarray(~planes.any(axis=1)),

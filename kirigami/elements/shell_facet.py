@@ -132,6 +132,7 @@ class ShellFacet(ModelObject):
         sections = section_matrices(objects, numbering.rest[edges.triangles])
         density = np.array([(f.material.density or np.nan) * f.thickness for f in objects])
         planes = plane_normals(mirror_planes(numbering), edges.ends, edges.edge)
+        seams = edges.seam_angles if len(edges.seams) else None
         yields = any(getattr(facet.material, "yields", False) for facet in objects)
         if any(facet.material.hyperelastic for facet in objects):
             if yields:
@@ -142,13 +143,13 @@ class ShellFacet(ModelObject):
             from kirigami.elements.shell_rubber import RubberShellKernel, rubber_moduli
 
             arrays = numbering.rest, conn, sections, edges.forward, density
-            return [RubberShellKernel(*arrays, None, planes, rubber=rubber_moduli(objects))]
+            return [RubberShellKernel(*arrays, None, planes, seams=seams, rubber=rubber_moduli(objects))]
         if yields:
             from kirigami.elements.shell_yield import YieldingShellKernel, yield_constants
 
             arrays = numbering.rest, conn, sections, edges.forward, density
-            return [YieldingShellKernel(*arrays, None, planes, **yield_constants(objects))]
-        return [ShellFacetKernel(numbering.rest, conn, sections, edges.forward, density, planes=planes)]
+            return [YieldingShellKernel(*arrays, None, planes, seams=seams, **yield_constants(objects))]
+        return [ShellFacetKernel(numbering.rest, conn, sections, edges.forward, density, planes=planes, seams=seams)]
 
 
 def section_matrices(objects: Sequence[Any], corners: Array) -> Array:

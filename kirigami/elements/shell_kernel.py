@@ -61,9 +61,11 @@ class ShellFacetKernel(NaturalKernel):
         planes: Array | None = None,
         natural: Array | None = None,
         heat: Array | None = None,
+        seams: NDArray[np.int64] | None = None,
     ) -> None:
         self.rest, self.conn, self.section, self.forward, self.members = rest, conn, section, forward, members
         self.planes = planes  # normals of mirror planes (n, 3, 3) that the edges lie in, zero where there are none
+        self.seams = seams  # rows of angles (s, 2) on the border of a periodic cell that repeat others, and these
         self.density = density  # mass per area (n,), nan where unknown
         self._rest_vectors = facet_vectors(rest, conn)
         self.chart = Chart(self._rest_vectors)
@@ -72,7 +74,8 @@ class ShellFacetKernel(NaturalKernel):
         self._angle_scale = angle_scale(self.chart, forward)  # (6, n): of the stored angles in the local ones
         point = np.tile([0, 1], 3)
         self._stored = np.where(forward[:, EDGE_OF_POINT].T, point[:, None], 1 - point[:, None])  # (6, n) of an edge's
-        self._angle_rows, self._edge = np.unique(conn[:, 6:], return_inverse=True)
+        shared = conn[:, 6:] if seams is None else _repeated(conn[:, 6:], seams)
+        self._angle_rows, self._edge = np.unique(shared, return_inverse=True)
         self._edge = self._edge.reshape(-1, 3)[:, EDGE_OF_POINT].T  # (6, n)
         frames = edge_frames(self._rest_vectors)
         self._rest_directors = initial_directors(frames, self._edge, self._stored, len(self._angle_rows), planes)
@@ -86,6 +89,7 @@ class ShellFacetKernel(NaturalKernel):
 
     def arrays(self) -> dict[str, Any]:
         own = {name: getattr(self, name) for name in ("conn", "section", "forward", "density", "members", "planes")}
+        own |= {name: getattr(self, name) for name in ("seams",) if self.seams is not None}
         return self.with_natural(own if self._heat is None else {**own, "heat": self._heat})
 
     def actuate(self, members: NDArray[np.int64], values: Array, constant: bool) -> None:
@@ -203,7 +207,8 @@ class ShellFacetKernel(NaturalKernel):
     def settle(self, x: Array) -> None:
         """Edges bulge as the mean normals of the facets around say, beyond what they do so at rest, and turn by the
         mean of the facets on them."""
-        triangles, edge = self.conn[:, :3], self._edge[::2].T
+        triangles = self.conn[:, :3]
+        edge = np.unique(self.conn[:, 6:], return_inverse=True)[1].reshape(-1, 3)
         apart = np.bincount(edge.ravel()) < 2  # edges of one facet, and those whose sides have angles of their own
         middles = self.conn[:, 3:6]
         for sign, rows in ((1.0, np.asarray(x)), (-1.0, self.rest)):
@@ -470,3 +475,11 @@ def _to_blocks(local: Array) -> Array:
     blocks[:, 0, 1:] = -blocks[:, 1, 1:] - blocks[:, 2, 1:]
     blocks[:, :, 0] = -blocks[:, :, 1] - blocks[:, :, 2]
     return blocks
+
+
+def _repeated(rows: NDArray[np.int64], seams: NDArray[np.int64]) -> NDArray[np.int64]:
+    """Rows of angles (n, 3) with those that repeat others replaced by these: they share their directors."""
+    order = np.argsort(seams[:, 0])
+    known = seams[order]
+    place = np.minimum(np.searchsorted(known[:, 0], rows), len(known) - 1)
+    return np.where(known[place, 0] == rows, known[place, 1], rows)

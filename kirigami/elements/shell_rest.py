@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from kirigami.elements.loose_ends import warn_of_loose_ends
 from kirigami.elements.shell_bending import EdgeFrames
 from kirigami.elements.shell_geometry import EDGE_OF_POINT, Chart
+from kirigami.elements.seams import cell_border
 from kirigami.elements.shell_images import Images
 from kirigami.errors import ModelError
 from kirigami.primitives.kernel import Array
@@ -58,7 +59,15 @@ def numbered_edges(numbering: Numbering, triangles: Index, normals: Sequence[Any
     corners = numbering.rest[ends]
     length = np.linalg.norm(corners[:, 1] - corners[:, 0], axis=1)
     images = Images(numbering, triangles, list(normals))
-    if images.planes:  # edges in a mirror plane bulge as those of the whole sheet
+    border = cell_border(numbering)
+    seams = border.numbers(ends) if border else np.empty((0, 2), np.int64)
+    if border and images.planes:
+        raise ModelError("a periodic cell and a plane of symmetry do not go together: model the whole cell")
+    if border:  # edges on the border bulge as those of the whole sheet
+        points, copies, every, source = border.around(numbering.rest, triangles, edge)
+        offset = edge_bulges(points, copies, every, list(normals) * (len(copies) // len(edge)), is_fold[source])[:count]
+        offset[seams[:, 0]] = offset[seams[:, 1]]
+    elif images.planes:  # edges in a mirror plane bulge as those of the whole sheet
         every, source = images.edges(edge)
         offset = edge_bulges(images.points, images.triangles, every, images.normals, is_fold[source])[:count]
     else:
@@ -71,7 +80,9 @@ def numbered_edges(numbering: Numbering, triangles: Index, normals: Sequence[Any
     other = one.copy()
     other[is_fold] = numbering.add_rows(np.zeros((int(is_fold.sum()), 3)), length[is_fold], idle)
     angle = np.where(triangles < following, one[edge], other[edge])
-    return EdgeRows(triangles, ends, edge, middle, angle, length)
+    if border:
+        ends[seams[:, 0]] = border.alike(ends[seams[:, 1]])
+    return EdgeRows(triangles, ends, edge, middle, angle, length, seams)
 
 
 def _check_middles(numbering: Numbering, ends: Index, offset: Array, length: Array) -> None:

@@ -330,7 +330,7 @@ class Sheet:
         slits = len(self.cuts) - openings
         folds = f", {len(self.folds)} fold{'' if len(self.folds) == 1 else 's'}" if self.folds else ""
         return (
-            f"Sheet({xmax - xmin:.4g} x {ymax - ymin:.4g}, area {self.area:.4g}, "
+            f"{type(self).__name__}({xmax - xmin:.4g} x {ymax - ymin:.4g}, area {self.area:.4g}, "
             f"{slits} slit{'' if slits == 1 else 's'}, {openings} opening{'' if openings == 1 else 's'}{folds})"
         )
 

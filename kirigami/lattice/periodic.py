@@ -3,6 +3,10 @@
 In a periodic body the displacements of two points that are a lattice vector R apart differ by H R, H the mean
 displacement gradient. Ties say so for all pairs of nodes of one cell; the energy per cell then depends on H alone,
 and its derivatives over the measure of the cell (length, area or volume) are mean stress and effective stiffness.
+
+Cells of sheets in space bend across their border as well, and their mean strain may be free
+(:mod:`kirigami.model.periodic`); what they make of a sheet is in :mod:`kirigami.lattice.law`, and their waves in
+:mod:`kirigami.lattice.waves`.
 """
 
 from __future__ import annotations
@@ -10,19 +14,35 @@ from __future__ import annotations
 import copy
 import math
 from collections.abc import Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from kirigami.deferred import deferred
+from kirigami.elements.seams import CellBorder
 from kirigami.errors import MechanismError, ModelError
+from kirigami.geometry.border import repeated_border
 from kirigami.model.constraints import Fix, Tie
 from kirigami.model.model import Model
-from kirigami.primitives.checks import require_array, require_boolean, require_instance, require_whole_array
+from kirigami.model.periodic import NAMES, Periodic
+from kirigami.primitives.checks import (
+    require_array,
+    require_boolean,
+    require_finite,
+    require_instance,
+    require_items,
+    require_whole_array,
+    shown,
+)
 from kirigami.primitives.groups import first_of_group
 from kirigami.primitives.kernel import Array
 from kirigami.primitives.node import AXES
 from kirigami.results.results import Results
+from kirigami.results.step import Step
+
+if TYPE_CHECKING:
+    from kirigami.geometry.mesh import TriMesh
 
 VOIGT = {1: [(0, 0)], 2: [(0, 0), (1, 1), (0, 1)], 3: [(0, 0), (1, 1), (2, 2), (1, 2), (0, 2), (0, 1)]}
 
@@ -33,12 +53,14 @@ class PeriodicCell:
     Parameters
     ----------
     model : Model
-        A model of one cell, with nodes on both sides of its border. What lies on the border is to be modelled once.
+        A model of one cell, with nodes on both sides of its border. What lies on the border is to be modelled once,
+        but in models that were made from a mesh, such as that of a :class:`kirigami.CellSheet`.
     lattice : array_like, shape (m, dim) or (m, 2)
-        Lattice vectors, one a row [length]: one, two, or in 3D three. Two make a sheet, free to move in z.
+        Lattice vectors, one a row [length]: one, two, or in 3D three. Two make a sheet, one makes a strip, both free to
+        move in z.
     images : array_like of int, shape (k, 2 + m), optional
         Rows (node, node it repeats, steps along each lattice vector), as in ``Tiling.images``; None finds the pairs by
-        their positions.
+        the edges on the border of a mesh, else by positions.
 
     Attributes
     ----------
@@ -49,6 +71,8 @@ class PeriodicCell:
     ------
     ModelError
         Lattice vectors that depend on each other, images that are not where the lattice puts them, or none at all.
+    GeometryError
+        Opposite sides of a mesh that do not have the same nodes.
 
     Examples
     --------
@@ -61,6 +85,16 @@ class PeriodicCell:
     >>> poisson = stiffness[0, 1] / stiffness[0, 0]      # a soft dilation and a stiff rest: -1 with rigid squares
     >>> bool(-1 < poisson < -0.99)
     True
+
+    A cell of an uncut sheet, pulled along y and free to contract:
+
+    >>> import kirigami as kg
+    >>> sheet = kg.CellSheet([(1, 0), (0, 1)], thickness=0.01, material=kg.Material(E=1e6, nu=0.3))
+    >>> cell = kg.PeriodicCell(kg.Model.from_mesh(sheet.mesh(0.4), stiffness="shell"), sheet.lattice)
+    >>> imposed = cell.impose((None, 1e-6, None))
+    >>> law = cell.law(kg.LinearStatic(cell.model).run())
+    >>> round(float(law.poisson[-1]), 9), round(float(law.stress[-1, 1]), 9)  # nu and E t times the strain
+    (0.3, 0.01)
     """
 
     def __init__(self, model: Model, lattice: ArrayLike, images: ArrayLike | None = None) -> None:
@@ -77,7 +111,13 @@ class PeriodicCell:
         self._axes = _strained_axes(self.lattice)
         position = model.positions()[:, : self.dim]
         self._near = 1e-6 * float(np.linalg.norm(self.lattice, axis=1).max())
-        self.images = self._found(position) if images is None else _checked_images(images, len(given), len(position))
+        self.border: CellBorder | None = None  # of a sheet in space, which bends across it
+        if images is not None:
+            self.images = _checked_images(images, len(given), len(position))
+        elif model.mesh is not None and model.sheet_constants is not None:
+            self.images = self._of_mesh(model.mesh)
+        else:
+            self.images = self._found(position)
         if self.images.ndim != 2 or self.images.shape[1] != 2 + len(given) or not len(self.images):
             raise ModelError("PeriodicCell: no node repeats another one; are the lattice vectors right?")
         off = position[self.images[:, 0]] - position[self.images[:, 1]] - self.shift_vectors
@@ -91,6 +131,17 @@ class PeriodicCell:
         """Lattice vector (k, dim) between each image and what it repeats."""
         vectors: Array = self.images[:, 2:] @ self.lattice
         return vectors
+
+    def _of_mesh(self, mesh: TriMesh) -> NDArray[np.int64]:
+        """Pairs of nodes by the edges on the border of a sheet."""
+        vectors = np.zeros((len(self.lattice), 3))
+        vectors[:, : self.dim] = self.lattice
+        if len(vectors) > 2 or vectors[:, 2].any():
+            raise ModelError("PeriodicCell: a sheet repeats along one or two vectors in the plane z = 0")
+        images, edges = repeated_border(mesh, vectors)
+        if self.dim == 3:
+            self.border = CellBorder(images, edges, vectors)
+        return images
 
     def _found(self, position: Array) -> NDArray[np.int64]:
         """Pairs of nodes an integer number of lattice vectors apart; the first of each class leads."""
@@ -126,24 +177,34 @@ class PeriodicCell:
     def _pairs(self) -> list[tuple[int, int]]:
         return [(self._axes[a], self._axes[b]) for a, b in VOIGT[len(self._axes)]]
 
-    def impose(self, strain: ArrayLike, constant: bool = False) -> tuple[Any, ...]:
-        """Add to the model the ties of the cell, with a mean strain at load factor 1, and hold one node.
+    def impose(self, strain: ArrayLike | Sequence[float | None], constant: bool = False) -> tuple[Any, ...]:
+        """Add to the model what repeats the cell, with a mean strain at load factor 1, and hold one node.
 
         Parameters
         ----------
-        strain : array_like, shape (dim, dim) or (3,) for a sheet, (6,) in space
-            Mean displacement gradient H, or small strains in the order of :meth:`stiffness`. Only ``H @ R`` of lattice
-            vectors R enters.
+        strain : sequence of float or None, or array_like, shape (3,) for a sheet, (6,) in space, (1,) for a strip
+            Small strains in the order of :meth:`stiffness`, or the mean displacement gradient H, (dim, dim). Only
+            ``H @ R`` of lattice vectors R enters. None leaves a strain of a sheet in space free, so that the mean
+            stress along it vanishes; what such sheets are given is (1 + E), however large, without mean rotation.
         constant : bool
             The strain acts in full whatever the load factor.
 
         Returns
         -------
         tuple
-            The objects added: ties, and the Fix of a node that none repeats.
+            The objects added: of a sheet in space one constraint, else ties, and the Fix of a node that none repeats.
+
+        Raises
+        ------
+        ModelError
+            A strain of a wrong shape, that is not finite, or that is free where the cell is no sheet in space.
         """
         constant = require_boolean(constant, "constant", "PeriodicCell.impose")
-        gradient = self.gradient(strain)
+        if self.border is not None:
+            item = self.constraint(self._strains(strain), constant)
+            self.model.add(item)
+            return (item,)
+        gradient = self.gradient(strain)  # type: ignore[arg-type]
         difference = self.shift_vectors @ gradient.T
         nodes = self.model.nodes
         dofs = AXES[: self.dim]
@@ -155,6 +216,48 @@ class PeriodicCell:
         self.model.add(tie, held)
         return tie, held
 
+    def _strains(self, strain: Any) -> list[float | None]:
+        """The strains of a sheet in space, None where they are free."""
+        names = NAMES[2 * len(self.lattice) - 1]
+        items = require_items(strain, "strain", "PeriodicCell.impose")
+        if len(items) == len(names) and all(value is None or np.ndim(value) == 0 for value in items):
+            return [None if v is None else require_finite(v, f"strain {n}", "PeriodicCell.impose")
+                    for v, n in zip(items, names)]  # fmt: skip
+        if np.shape(strain) != (3, 3):
+            raise ModelError(
+                f"PeriodicCell.impose: strain must be {len(names)} numbers or None, ({', '.join(names)}), or a "
+                f"gradient (3, 3), got {shown(strain)}"
+            )
+        H = require_array(strain, (3, 3), name="strain", owner="PeriodicCell.impose")
+        size = np.abs(H).max(initial=0.0)
+        if np.abs(H - H.T).max() > 1e-12 * size or H[2].any():
+            raise ModelError(
+                "PeriodicCell.impose: the mean gradient of a sheet in space must be symmetric and in its plane: a "
+                "rotation costs nothing"
+            )
+        return [H[0, 0], H[1, 1], 2 * H[0, 1]] if len(names) == 3 else [H[self._axes[0], self._axes[0]]]
+
+    def constraint(self, strain: Sequence[float | None], constant: bool = False, hold: bool = True) -> Periodic:
+        """What :meth:`impose` adds to the model of a sheet in space; `hold` stops the motions of the whole."""
+        assert self.border is not None
+        nodes = self.model.nodes
+        images, leaders = ([nodes[k] for k in self.images[:, column]] for column in (0, 1))
+        held = self._held() if hold else np.empty((0, 2), np.int64)
+        return Periodic(images, leaders, self.border, strain, held, constant)
+
+    def _held(self) -> NDArray[np.int64]:
+        """Nodes and axes that stop the motions of the whole, as far as no support of the model does."""
+        supports = [item for item in self.model.constraints if not item.leaders]
+        position = self.model.positions()
+        own = np.setdiff1d(np.arange(len(self.model.mesh.nodes)), self.images[:, 0])  # type: ignore[union-attr]
+        centre = position[own].mean(axis=0)
+        first = own[int(np.argmin(np.linalg.norm(position[own] - centre, axis=1)))]
+        held = [(first, axis) for axis in range(3) if not any(AXES[axis] in item.values for item in supports)]
+        if len(self.lattice) == 1 and (first, 2) in held:  # a strip may turn about its own axis
+            across = np.linalg.norm(np.cross(position[own] - position[first], self.lattice[0]), axis=1)
+            held.append((own[int(np.argmax(across))], 2))
+        return np.array(held, dtype=np.int64).reshape(-1, 2)
+
     def mean_stress(self, results: Results) -> Array:
         """Mean nominal stress (s, dim, dim) of each step: derivative of the energy by the mean displacement gradient.
 
@@ -164,21 +267,36 @@ class PeriodicCell:
         require_instance(results, Results, "results", "PeriodicCell.mean_stress")
         if results.rest.shape != (len(self.model.nodes), 3):
             raise ModelError("PeriodicCell.mean_stress: these results belong to another model")
+        if self.border is not None:
+            return self._plane_tensors(self.law(results).stress)
         force = np.stack([results.reaction([int(k)]) for k in self.images[:, 0]], axis=1)[..., : self.dim]
         stress: Array = np.einsum("ski,kj->sij", force, self.shift_vectors) / self.measure
         return stress
 
+    def _plane_tensors(self, values: Array) -> Array:
+        """Tensors (s, 3, 3) of forces per length (s, 3) in the plane, or of the one along a strip."""
+        found = np.zeros((len(values), 3, 3))
+        for (a, b), value in zip(self._pairs(), values.T):
+            found[:, a, b] = found[:, b, a] = value
+        return found
+
+    law = deferred("kirigami.lattice.law:law")
+    section = deferred("kirigami.lattice.law:section")
+    waves = deferred("kirigami.lattice.waves:waves")
+    buckling = deferred("kirigami.lattice.waves:buckling")
+
     # ---- linear: effective stiffness
 
-    def stiffness(self, u: ArrayLike | None = None) -> Array:
+    def stiffness(self, u: ArrayLike | Step | None = None) -> Array:
         """Effective stiffness of the cell.
 
         Second derivative of the energy per measure of the cell by the mean strain, all else relaxed and periodic.
 
         Parameters
         ----------
-        u : array_like, shape (n, 3), optional
-            Displacements about which it is taken, an equilibrium without mean rotation; None is the rest state.
+        u : Step or array_like, shape (n, 3), optional
+            Step, or displacements, about which it is taken, an equilibrium without mean rotation; None is the rest
+            state.
 
         Returns
         -------
@@ -192,10 +310,16 @@ class PeriodicCell:
             The state is at the brink of a periodic instability, so nothing balances the strain. A motion that costs
             nothing is no error: where a mean strain can follow it, its stiffness is zero.
         """
+        if self.border is not None:
+            from kirigami.lattice.law import tangent
+
+            return tangent(self, u)
         from scipy.sparse import csc_matrix
 
         from kirigami.system.system import System
 
+        if isinstance(u, Step):
+            u = u.u
         matrix = System(self._bare()).stiffness(u, constrained=False)
         count, strains = len(self.model.nodes), np.eye(len(self._pairs()))
         leader = np.arange(count)

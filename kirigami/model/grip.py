@@ -10,6 +10,7 @@ from collections.abc import Iterable, Sequence
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from kirigami.errors import ModelError
 from kirigami.geometry.topology import edges_within
@@ -18,7 +19,7 @@ from kirigami.primitives.checks import require_boolean, require_finite, require_
 from kirigami.primitives.kernel import Array, Kernel
 from kirigami.primitives.node import AXES, Node, listed
 from kirigami.primitives.parts import Numbering
-from kirigami.primitives.rows import GripRows
+from kirigami.primitives.grip_rows import GripRows
 
 Motion = tuple[float | None, float | None, float | None]
 STRAIGHT = 1e-9  # width of a set of nodes over its length, below which it is a line
@@ -112,6 +113,17 @@ class Grip(Constraint):
     def lower(cls, objects: Sequence[Any], numbering: Numbering) -> list[Kernel]:
         """A grip makes no force."""
         return []
+
+    def known(self, rows: GripRows, dim: int) -> tuple[NDArray[np.int64], Array]:
+        """Numbers of the displacements that are held or driven, and their values at load factor 1.
+
+        The second number of a turn in a plane means nothing.
+        """
+        turn = self.turn if dim == 3 else (self.turn[2], 0.0)
+        values = [*self.move[:dim], *(None if value is None else rows.radius * value for value in turn)]
+        at = np.concatenate([row * dim + np.arange(dim) for row in (rows.shift, rows.turn)])
+        given = np.array([value is not None for value in values])
+        return at[given], np.array([value for value in values if value is not None])
 
     def _rows(self, numbering: Numbering) -> GripRows:
         """The rows that follow the grip, and two new ones that move it."""

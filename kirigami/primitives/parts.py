@@ -9,9 +9,10 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
+from kirigami.primitives.following import FollowingRows
 from kirigami.primitives.kernel import Array, Configuration, Kernel, full_hessian
 from kirigami.primitives.node import Node
-from kirigami.primitives.rows import EdgeRows, GripRows
+from kirigami.primitives.rows import EdgeRows
 
 KINDS = ("element", "constraint", "load", "effect")
 
@@ -103,7 +104,7 @@ class Numbering:
     edges : EdgeRows or None
         The rows of the edges of shell facets.
     grips : dict
-        The rows of each rigid grip, by the id of the constraint.
+        The rows that follow others, by the id of the constraint that says so: a rigid grip, or a periodic cell.
     objects : dict
         What is lowered, by class.
 
@@ -133,7 +134,7 @@ class Numbering:
         self.reach = np.full(self.points, np.inf)
         self.idle = np.zeros(rest.shape, dtype=bool)
         self.edges: EdgeRows | None = None
-        self.grips: dict[int, GripRows] = {}
+        self.grips: dict[int, FollowingRows] = {}
         self.objects: dict[type[ModelObject], list[Any]] = {}
         self._index = {id(node): position for position, node in enumerate(self.nodes)}
 

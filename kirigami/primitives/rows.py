@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,7 +21,8 @@ class EdgeRows:
     triangles : ndarray of int, shape (m, 3)
         Corners of the facets.
     ends : ndarray of int, shape (edges, 2)
-        Nodes of each edge, the lower first: the direction in which it counts angles.
+        Nodes of each edge, the lower first, or those that repeat the ends of another one in the order of these: the
+        direction in which it counts angles.
     edge : ndarray of int, shape (m, 3)
         Edges 01, 12 and 20 of each facet.
     middle : ndarray of int, shape (edges,)
@@ -30,6 +31,8 @@ class EdgeRows:
         Row of the angles of each facet's edges; facets share it, but for those on the two sides of a crease.
     length : ndarray, shape (edges,)
         Length of each edge at rest, which is what turns stored angles into radians.
+    seams : ndarray of int, shape (s, 2)
+        Edges on the border of a periodic cell that repeat another one, and that one.
     """
 
     triangles: Index
@@ -38,11 +41,19 @@ class EdgeRows:
     middle: Index
     angle: Index
     length: Array
+    seams: Index = field(default_factory=lambda: np.empty((0, 2), np.int64))
 
     @property
     def forward(self) -> NDArray[np.bool_]:
         """Whether each facet (m, 3) runs along its edge in the edge's own direction."""
-        return np.asarray(self.triangles < np.roll(self.triangles, -1, axis=1))
+        return np.asarray(self.triangles == self.ends[self.edge, 0])
+
+    @property
+    def seam_angles(self) -> Index:
+        """Rows of angles (s, 2) of the edges that repeat another one, and of these."""
+        row = np.zeros(len(self.ends), np.int64)
+        row[self.edge] = self.angle
+        return np.asarray(row[self.seams])
 
     def turn(self, x: Array, rate: Array, field: Array) -> None:
         """Write into `field` (rows, 3) what a rotation with the vector `rate` (3,) changes in these rows at `x`."""
@@ -59,34 +70,3 @@ class EdgeRows:
         """Edges and angle rows that belong together, each pair once."""
         both = np.unique(np.stack([self.edge.ravel(), self.angle.ravel()], axis=1), axis=0)
         return both[:, 0], both[:, 1]
-
-
-@dataclass(frozen=True, eq=False)
-class GripRows:
-    """The rows that move as one rigid body, and the two that say how: they follow, and are no unknowns.
-
-    Attributes
-    ----------
-    points, vectors : ndarray of int, shape (k,) and (m,)
-        Rows that are positions, and rows that are differences of positions, which turn but do not shift.
-    arms : ndarray, shape (k + m, 3)
-        What they hold at rest, the positions against their centroid.
-    shift : int
-        Row of the displacement of the centroid.
-    turn : int
-        Row of the rotation vector times `radius`; in a plane its first number is the angle times `radius`.
-    radius : float
-        Root mean square of the arms of the points [length].
-    """
-
-    points: Index
-    vectors: Index
-    arms: Array
-    shift: int
-    turn: int
-    radius: float
-
-    @property
-    def followers(self) -> Index:
-        """All rows that follow."""
-        return np.concatenate([self.points, self.vectors])

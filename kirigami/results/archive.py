@@ -47,6 +47,8 @@ KERNELS = {
     "FlowPressureKernel": "model.flow_pressure",
     "PressureKernel": "model.pressure",
     "RimPressureKernel": "model.pressure",
+    "SeamFacetKernel": "elements.seams",
+    "SeamHingeKernel": "elements.seams",
     "SelfContactKernel": "effects.self_contact",
     "SelfFrictionKernel": "effects.self_friction",
     "ShellFacetKernel": "elements.shell_kernel",

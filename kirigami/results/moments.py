@@ -72,7 +72,7 @@ def moment(results: Results, nodes: Nodes, about: Sequence[float] | Array | None
         for kernel in results.kernels:
             if isinstance(kernel, ShellFacetKernel):
                 rows = _edge_rows(kernel, inside)
-                found[number] += _of_rows(results, kernel, rows, step, results._row_gradients[number])
+                found[number] += _of_rows(results, kernel, rows, step, results.row_gradients[number])
             elif isinstance(kernel, HeldEdgeKernel):
                 found[number] -= _of_clamps(results, kernel, inside, step, centre)
     return found

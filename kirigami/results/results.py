@@ -109,7 +109,7 @@ class Results(ModelRecord):
     def append(self, step: Step) -> None:
         """Store one more step; derived quantities are computed anew when asked for."""
         self.steps.append(step)
-        for name in ("lam", "u", "time", "velocity", "_row_gradients", "energy", "_told", "error"):
+        for name in ("lam", "u", "time", "velocity", "row_gradients", "energy", "_told", "error"):
             self.__dict__.pop(name, None)
 
     @cached_property
@@ -233,11 +233,11 @@ class Results(ModelRecord):
     def _gradients(self) -> Array:
         """Gradient of the potential (s, n, 3): support reactions at constrained displacements, else about zero."""
         nodal = np.zeros((len(self.steps), len(self.rest), 3))
-        nodal[..., : self.dim] = self._row_gradients[:, : len(self.rest)]
+        nodal[..., : self.dim] = self.row_gradients[:, : len(self.rest)]
         return nodal
 
     @cached_property
-    def _row_gradients(self) -> Array:
+    def row_gradients(self) -> Array:
         """The same (s, rows, dim), with the rows that elements keep behind the nodes."""
         from kirigami.system.assembly import scatter_add
 

@@ -17,6 +17,7 @@ holds them in balance, but not what a plate would have. Curvature and, with bars
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -25,6 +26,7 @@ from numpy.typing import NDArray
 from kirigami.elements.bar import BarKernel
 from kirigami.elements.clamp_hinge import HeldEdgeKernel
 from kirigami.elements.facet import FacetKernel
+from kirigami.elements.seams import SeamHingeKernel
 from kirigami.elements.shell_kernel import ShellFacetKernel
 from kirigami.elements.shell_rubber import RubberShellKernel
 from kirigami.elements.shell_yield import YieldingShellKernel
@@ -90,6 +92,8 @@ class StateReader:
             for kernel in self.results.kernels:
                 if isinstance(kernel, BarKernel):
                     self._add_bars(state, kernel, step)
+                elif isinstance(kernel, SeamHingeKernel):
+                    self._add_seams(state, kernel, step)
                 elif kernel.name == "hinges":
                     self._add_hinges(state, kernel, step)
         for kernel in self.results.kernels:
@@ -205,13 +209,30 @@ class StateReader:
             np.add.at(state.moment, facet, (share / self.area[facet])[:, None, None] * tensor[chosen])
             np.add.at(state.bending_energy, facet, share * energy[chosen])
 
+    def _add_seams(self, state: SheetState, kernel: SeamHingeKernel, step: Step) -> None:
+        """Hinges across the border of a periodic cell, with one facet on each side of it."""
+        tensor = _tensor(fold_curvature_rates(self._places[kernel.conn]), half_shear=True)
+        tensor *= self.results.member_force(kernel, step)[:, None, None]
+        energy = self.results.member_energy(kernel, step)
+        area = self.area[kernel.facets]
+        for facet, share in zip(kernel.facets.T, (area / area.sum(axis=1, keepdims=True)).T):
+            np.add.at(state.moment, facet, (share / self.area[facet])[:, None, None] * tensor)
+            np.add.at(state.bending_energy, facet, share * energy)
+
+    @cached_property
+    def _places(self) -> Array:
+        """Places (rows, 2) in the drawing: of the mesh, and of what stands behind the nodes."""
+        rows = np.concatenate([self.results.rest, self.results.inner_rest])[:, :2]
+        rows[: len(self.mesh.nodes)] = self.mesh.nodes[:, :2]
+        return rows
+
     def _add_held_edges(self, state: SheetState, kernel: HeldEdgeKernel, step: Step) -> None:
         mesh = self.mesh
         facet = placed(np.sort(kernel.conn[:, :3], axis=1), np.sort(mesh.triangles, axis=1))
         moment, energy = self.results.member_force(kernel, step), self.results.member_energy(kernel, step)
         turning = mesh.nodes[kernel.conn[kernel.turn_of[:, None], kernel.turn_at], :2]
         whole = np.concatenate([turning, _mirrored(turning)[:, None]], axis=1)  # the fold against the mirror image
-        folding = mesh.nodes[kernel.conn[kernel.fold_of[:, None], kernel.fold_at], :2]
+        folding = self._places[kernel.conn[kernel.fold_of[:, None], kernel.fold_at]]
         for member, weight, rate in (
             (kernel.turn_of, 0.5 * kernel.turn_weight, fold_curvature_rates(whole)),
             (kernel.fold_of, kernel.fold_weight, fold_curvature_rates(folding)),

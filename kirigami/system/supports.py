@@ -33,9 +33,9 @@ def connected_parts(system: System) -> list[Index]:
             first.append(kernel.conn[:, 0])
             second.append(kernel.conn[:, other])
     if system.grips is not None:
-        followers, leads, _ = system.grips.images()
-        first += [followers, leads[:, 0]]
-        second += [leads[:, 0], leads[:, 1]]
+        follower, lead, _ = system.grips.links
+        first.append(follower)
+        second.append(lead)
     tied = np.flatnonzero((system.unknown >= 0) & (system.leader != np.arange(system.leader.size)))
     first.append(tied // system.dim)
     second.append(system.leader[tied] // system.dim)

@@ -22,7 +22,7 @@ class Unknowns:
 
     Ties are resolved into a leader and an offset for each displacement, so that several may pick the same unknown.
     What turns (:class:`kirigami.model.turn.Turn`) leaves the straight line on arcs; `drive` is its rate at rest.
-    What follows a rigid grip is filled in behind it (:mod:`kirigami.system.grips`).
+    What follows a rigid grip, or repeats from cell to cell, is filled in behind it (:mod:`kirigami.system.grips`).
     """
 
     grips: Grips | None = None
@@ -40,9 +40,9 @@ class Unknowns:
         self.arcs: list[Any] = []
         for position, item in enumerate(constraints):
             if id(item) in numbering.grips:
-                grip = self._hold_grip(item, numbering, position, owner, constraints)
-                fixed[grip] = True
-                (held if item.constant else drive)[grip] = self._grip_values(item, numbering)
+                known, values = self._hold_followers(item, numbering, position, owner, constraints)
+                fixed[known] = True
+                (held if item.constant else drive)[known] = values
                 continue
             nodes = numbering.index(item.group)
             leaders = numbering.index(item.leaders)
@@ -83,7 +83,8 @@ class Unknowns:
             tied = np.flatnonzero(np.isin(leader // self.dim, self.grips.followers) & (leader != np.arange(dofs)))
             if tied.size:
                 one, other = (numbering.describe(int(dof) // self.dim) for dof in (tied[0], leader[tied[0]]))
-                raise ModelError(f"{one} is tied to {other}, which is in a Grip: put it into the Grip instead")
+                group = next(g for g in self.grips.groups if leader[tied[0]] // self.dim in g.followers)
+                raise ModelError(f"{one} is tied to {other}, which is in {group.words}: {group.remedy}")
         for _ in range(dofs):
             following = np.flatnonzero(leader[leader] != leader)
             if not following.size:
@@ -172,30 +173,20 @@ class Unknowns:
             u += beyond
         return u
 
-    def _hold_grip(
+    def _hold_followers(
         self, item: Any, numbering: Numbering, position: int, owner: Index, constraints: Sequence[Any]
-    ) -> Index:
-        """Claim what follows a grip; the numbers of the displacements by which it is held or driven."""
+    ) -> tuple[Index, Array]:
+        """Claim what follows a grip or a cell; the numbers of the displacements by which it is held or driven, and
+        their values at load factor 1."""
         rows = numbering.grips[id(item)]
         for axis in range(self.dim):
             at = rows.followers * self.dim + axis
             self._check_conflict(at, AXES[axis], item, owner, constraints, numbering)
             owner[at] = position
-        known = np.flatnonzero([value is not None for value in self._grip_motion(item)])
-        at = np.concatenate([rows.shift * self.dim + np.arange(self.dim), rows.turn * self.dim + np.arange(self.dim)])
-        at = at[known]
-        owner[at] = position
-        return at
-
-    def _grip_motion(self, item: Any) -> list[float | None]:
-        """What is known of the rows of a grip, number by number; the second one of a turn in a plane means nothing."""
-        turn = item.turn if self.dim == 3 else (item.turn[2], 0.0)
-        return [*item.move[: self.dim], *turn]
-
-    def _grip_values(self, item: Any, numbering: Numbering) -> Array:
-        radius = numbering.grips[id(item)].radius
-        scale = [1.0] * self.dim + [radius] * self.dim
-        return np.array([s * value for s, value in zip(scale, self._grip_motion(item)) if value is not None])
+        known: Index
+        known, values = item.known(rows, self.dim)
+        owner[known] = position
+        return known, values
 
     @staticmethod
     def _check_conflict(

@@ -239,9 +239,10 @@ def neighbours(system: System) -> Any:
                 both = (nodes[:, a] < n) & (nodes[:, b] < n)
                 rows.append(nodes[both, a])
                 columns.append(nodes[both, b])
-    for grip in () if system.grips is None else system.grips.grips:  # what is held together is one neighbourhood
-        rows.append(np.repeat(grip.points, len(grip.points)))
-        columns.append(np.tile(grip.points, len(grip.points)))
+    for group in () if system.grips is None else system.grips.groups:  # what is held together is one neighbourhood
+        points = group.followers[group.followers < n]
+        rows.append(np.repeat(points, len(points)))
+        columns.append(np.tile(points, len(points)))
     row, column = np.concatenate(rows), np.concatenate(columns)
     found = coo_array((np.ones(len(row), np.int32), (row, column)), shape=(n, n)).tocsr()
     found.data[:] = 1
