@@ -9,9 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kirigami.elements.loose_ends import warn_of_loose_ends
+from kirigami.elements.seams import cell_border
 from kirigami.elements.shell_bending import EdgeFrames
 from kirigami.elements.shell_geometry import EDGE_OF_POINT, Chart
-from kirigami.elements.seams import cell_border
 from kirigami.elements.shell_images import Images
 from kirigami.errors import ModelError
 from kirigami.primitives.kernel import Array

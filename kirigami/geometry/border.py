@@ -6,6 +6,8 @@ that meet there tell which of the two on the other side is which.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from itertools import product
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -62,6 +64,47 @@ def repeated_border(mesh: TriMesh, lattice: Array) -> tuple[Index, Index]:
     return _classes(mesh.nodes, edges, lattice, near), edges
 
 
+def tiled(
+    mesh: TriMesh, images: Index, lattice: Array, counts: Sequence[int]
+) -> tuple[TriMesh, Index, Index]:
+    """A patch of equal cells as one mesh, joined as the infinite sheet is.
+
+    Parameters
+    ----------
+    mesh : TriMesh
+        The sheet of one cell.
+    images : ndarray of int, shape (k, 2 + m)
+        As from :func:`repeated_border`.
+    lattice : ndarray, shape (m, 3)
+        Lattice vectors [length].
+    counts : sequence of int, shape (m,)
+        Cells along each.
+
+    Returns
+    -------
+    TriMesh
+        The patch; its facets are those of the cell, cell by cell.
+    node : ndarray of int, shape (n,)
+        The node of the cell that each of its nodes repeats.
+    steps : ndarray of int, shape (n, m)
+        In how many steps along the lattice vectors.
+    """
+    from kirigami.geometry.mesh import TriMesh
+
+    size = len(mesh.nodes)
+    leader, own = np.arange(size), np.zeros((size, len(lattice)), np.int64)
+    leader[images[:, 0]], own[images[:, 0]] = images[:, 1], images[:, 2:]
+    cells = np.array(list(product(*(range(count) for count in counts))), dtype=np.int64)
+    steps = (own[None] + cells[:, None]).reshape(-1, len(lattice))
+    key = np.column_stack([np.tile(leader, len(cells)), steps])
+    found, place = np.unique(key, axis=0, return_inverse=True)
+    triangles = place.ravel().reshape(len(cells), -1)[:, mesh.triangles].reshape(-1, 3)
+    node, away = found[:, 0], found[:, 1:]
+    nodes = mesh.nodes[node] + away @ lattice
+    made = TriMesh(nodes, triangles, thickness=mesh.thickness, material=mesh.material)
+    return made, node, away
+
+
 def _steps(vectors: int) -> list[tuple[int, ...]]:
     """Steps to the cells beyond half of the border: also across corners, as hexagons have it."""
     return [(1,)] if vectors == 1 else [(1, 0), (0, 1), (1, 1), (1, -1)]
@@ -94,12 +137,14 @@ def _check_whole(mesh: TriMesh, rim: Index, pairs: Index, steps: Index, lattice:
     start, end = mesh.nodes[rim[:, 0]], mesh.nodes[rim[:, 1]]
     along = end - start
     square = (along**2).sum(axis=1)
+    lengths = np.sqrt(square)
     for step in np.concatenate([steps, -steps]):
         for edge in alone.tolist():
             there = 0.5 * (start[edge] + end[edge]) + step @ lattice
             share = (((there - start) * along).sum(axis=1) / square).clip(0, 1)
             far = np.linalg.norm(there - start - share[:, None] * along, axis=1)
-            if far.min() <= near and abs(np.cross(along[edge], along[int(far.argmin())])[2]) <= near * np.sqrt(square[edge]):
+            at = int(far.argmin())
+            if far[at] <= near and abs(np.cross(along[edge], along[at])[2]) <= near * max(lengths[edge], lengths[at]):
                 x, y = 0.5 * (start[edge] + end[edge])[:2]
                 raise GeometryError(
                     f"the border of the cell does not repeat at ({x:.6g}, {y:.6g}): the edge of the mesh there lies on "

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import warnings
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from itertools import product
 from typing import Any
 
@@ -156,16 +156,27 @@ class CellSheet(Sheet):
         if along.length > 1e-3 * math.sqrt(outline.area):
             x, y = along.centroid.coords[0]
             raise GeometryError(
-                f"CellSheet: a cut runs along a side of the cell at ({x:.6g}, {y:.6g}): shift the cell with origin=, so "
-                "that cuts lie inside it or cross its sides"
+                f"CellSheet: a cut runs along a side of the cell at ({x:.6g}, {y:.6g}): shift the cell with origin=, "
+                "so that cuts lie inside it or cross its sides"
             )
 
-    def mesh(self, *given: Any, **named: Any) -> TriMesh:
+    def mesh(
+        self,
+        max_edge: float | None = None,
+        cut_edge: float | None = None,
+        min_angle: float = 28.0,
+        *,
+        nodes: int | None = None,
+        size: Callable[[Array], Array] | None = None,
+        lines: Mapping[str, BaseGeometry] | Sequence[BaseGeometry] = (),
+        snap: float | None = None,
+        allow_parts: bool = False,
+    ) -> TriMesh:
         """Mesh the cell, with the same nodes on opposite sides.
 
         Parameters
         ----------
-        *given, **named
+        max_edge, cut_edge, min_angle, nodes, size, lines, snap, allow_parts
             As for :meth:`kirigami.Sheet.mesh`. The sides are divided until each has the nodes of the other.
 
         Returns
@@ -179,18 +190,22 @@ class CellSheet(Sheet):
         """
         vectors = np.column_stack([self.lattice, np.zeros(2)])
         sides: list[Array] = [np.empty(0), np.empty(0)]
-        for _ in range(ROUNDS):
+        for number in range(ROUNDS):
             sheet = Sheet(self._divided(sides), self.cuts, self.thickness, self.material)
             with warnings.catch_warnings(record=True) as told:
                 warnings.simplefilter("always")
-                made = sheet.mesh(*given, **named)
+                made = sheet.mesh(
+                    max_edge, cut_edge, min_angle, nodes=nodes, size=size, lines=lines, snap=snap,
+                    allow_parts=allow_parts,
+                )  # fmt: skip
             now = [self._on_sides(made, axis) for axis in (0, 1)]
             if all(_same(low, high) for low, high in now):
                 for warning in told:  # of the last round alone
                     warnings.warn(warning.message, stacklevel=2)
                 repeated_border(made, vectors)  # says where, if it does not
                 return made
-            sides = [_union(np.concatenate([*pair, before])) for pair, before in zip(now, sides)]
+            # First one side is as the other; then each takes over where the other was divided further.
+            sides = [_union(np.concatenate(pair)) if number else pair[0] for pair in now]
         raise GeometryError(
             f"CellSheet.mesh: after {ROUNDS} rounds opposite sides of the cell still do not have the same nodes; give "
             "another max_edge, or shift the cell with origin="

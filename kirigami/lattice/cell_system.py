@@ -36,7 +36,7 @@ class CellSystem:
     def __init__(self, cell: PeriodicCell, hold: bool = True) -> None:
         model = copy.copy(cell.model)
         model.remove(*(item for item in model.constraints if isinstance(item, Periodic)))
-        item = cell.constraint([None] * (2 * len(cell.lattice) - 1), hold=hold)
+        item = cell._constraint([None] * (2 * len(cell.lattice) - 1), hold=hold)
         model.add(item)
         self.cell, self.system = cell, System(model)
         assert self.system.grips is not None

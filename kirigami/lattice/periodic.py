@@ -33,7 +33,6 @@ from kirigami.primitives.checks import (
     require_instance,
     require_items,
     require_whole_array,
-    shown,
 )
 from kirigami.primitives.groups import first_of_group
 from kirigami.primitives.kernel import Array
@@ -201,7 +200,7 @@ class PeriodicCell:
         """
         constant = require_boolean(constant, "constant", "PeriodicCell.impose")
         if self.border is not None:
-            item = self.constraint(self._strains(strain), constant)
+            item = self._constraint(self._strains(strain), constant)
             self.model.add(item)
             return (item,)
         gradient = self.gradient(strain)  # type: ignore[arg-type]
@@ -220,15 +219,12 @@ class PeriodicCell:
         """The strains of a sheet in space, None where they are free."""
         names = NAMES[2 * len(self.lattice) - 1]
         items = require_items(strain, "strain", "PeriodicCell.impose")
-        if len(items) == len(names) and all(value is None or np.ndim(value) == 0 for value in items):
+        if len(items) == len(names) and any(value is None for value in items):
             return [None if v is None else require_finite(v, f"strain {n}", "PeriodicCell.impose")
                     for v, n in zip(items, names)]  # fmt: skip
-        if np.shape(strain) != (3, 3):
-            raise ModelError(
-                f"PeriodicCell.impose: strain must be {len(names)} numbers or None, ({', '.join(names)}), or a "
-                f"gradient (3, 3), got {shown(strain)}"
-            )
-        H = require_array(strain, (3, 3), name="strain", owner="PeriodicCell.impose")
+        H = require_array(strain, (len(names),), (3, 3), name="strain", owner="PeriodicCell.impose")
+        if H.ndim == 1:
+            return list(H)
         size = np.abs(H).max(initial=0.0)
         if np.abs(H - H.T).max() > 1e-12 * size or H[2].any():
             raise ModelError(
@@ -237,7 +233,7 @@ class PeriodicCell:
             )
         return [H[0, 0], H[1, 1], 2 * H[0, 1]] if len(names) == 3 else [H[self._axes[0], self._axes[0]]]
 
-    def constraint(self, strain: Sequence[float | None], constant: bool = False, hold: bool = True) -> Periodic:
+    def _constraint(self, strain: Sequence[float | None], constant: bool = False, hold: bool = True) -> Periodic:
         """What :meth:`impose` adds to the model of a sheet in space; `hold` stops the motions of the whole."""
         assert self.border is not None
         nodes = self.model.nodes
@@ -248,14 +244,16 @@ class PeriodicCell:
     def _held(self) -> NDArray[np.int64]:
         """Nodes and axes that stop the motions of the whole, as far as no support of the model does."""
         supports = [item for item in self.model.constraints if not item.leaders]
-        position = self.model.positions()
-        own = np.setdiff1d(np.arange(len(self.model.mesh.nodes)), self.images[:, 0])  # type: ignore[union-attr]
-        centre = position[own].mean(axis=0)
-        first = own[int(np.argmin(np.linalg.norm(position[own] - centre, axis=1)))]
+        assert self.model.mesh is not None
+        position = self.model.positions()[: len(self.model.mesh.nodes)]
+        inside = np.setdiff1d(np.arange(len(position)), self.images[:, :2])  # however nodes are numbered
+        own = inside if inside.size else np.setdiff1d(np.arange(len(position)), self.images[:, 0])
+        first = own[int(np.argmin(np.linalg.norm(position[own] - position.mean(axis=0), axis=1)))]
         held = [(first, axis) for axis in range(3) if not any(AXES[axis] in item.values for item in supports)]
         if len(self.lattice) == 1 and (first, 2) in held:  # a strip may turn about its own axis
-            across = np.linalg.norm(np.cross(position[own] - position[first], self.lattice[0]), axis=1)
-            held.append((own[int(np.argmax(across))], 2))
+            leaders = np.setdiff1d(np.arange(len(position)), self.images[:, 0])
+            across = np.linalg.norm(np.cross(position[leaders] - position[first], self.lattice[0]), axis=1)
+            held.append((leaders[int(np.argmax(across))], 2))
         return np.array(held, dtype=np.int64).reshape(-1, 2)
 
     def mean_stress(self, results: Results) -> Array:
@@ -281,6 +279,7 @@ class PeriodicCell:
         return found
 
     law = deferred("kirigami.lattice.law:law")
+    patch = deferred("kirigami.lattice.patch:patch")
     section = deferred("kirigami.lattice.law:section")
     waves = deferred("kirigami.lattice.waves:waves")
     buckling = deferred("kirigami.lattice.waves:buckling")

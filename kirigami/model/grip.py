@@ -16,10 +16,10 @@ from kirigami.errors import ModelError
 from kirigami.geometry.topology import edges_within
 from kirigami.model.constraints import Constraint
 from kirigami.primitives.checks import require_boolean, require_finite, require_items, shown
+from kirigami.primitives.grip_rows import GripRows
 from kirigami.primitives.kernel import Array, Kernel
 from kirigami.primitives.node import AXES, Node, listed
 from kirigami.primitives.parts import Numbering
-from kirigami.primitives.grip_rows import GripRows
 
 Motion = tuple[float | None, float | None, float | None]
 STRAIGHT = 1e-9  # width of a set of nodes over its length, below which it is a line

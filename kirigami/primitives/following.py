@@ -89,7 +89,8 @@ class FollowingRows(ABC):
         """Which displacements follow one of those that are `free`."""
         follower, lead, rate = self.links
         found = np.zeros_like(free)
-        moved = np.where((rate == 0)[:, None], free[lead], free[lead].any(axis=1)[:, None])
+        any_of = np.asarray(free[lead].any(axis=1))
+        moved = np.where((rate == 0)[:, None], free[lead], any_of[:, None])
         np.logical_or.at(found, follower, moved)
         return found
 

@@ -77,7 +77,7 @@ class GripRows(FollowingRows):
         field[self.turn] = rate if dim == 3 else (rate[2], 0.0)
 
     def carry(self, total: Array, u: Array, chord: Array | None = None) -> None:
-        """With a `chord`: the derivative in its middle, and in the direction of the turn the quotient of differences."""
+        """With a `chord`: the derivative in its middle, and in the direction of the turn the quotient of both ends."""
         if chord is None:
             rates = self.rates(u)
         else:

@@ -22,7 +22,7 @@ NOT_CALLED: dict[str, str] = {
     ),
     **dict.fromkeys(
         """Kernel Kernel.* *.lower *.reserve Bar.held Facet.held BendHinge.held TorsionSpring3.held Crease.held
-        Contribution Tangent displacement_of ModelObject Numbering* stiffness.SheetConstants.* *.elasticity
+        Grip.known Contribution Tangent displacement_of ModelObject Numbering* stiffness.SheetConstants.* *.elasticity
         *.weights *.section *.checked_thickness *.mass_per_area *.free_strain *.heated""".split(),
         CONTRACT,
     ),
@@ -86,6 +86,7 @@ ACCEPTED: dict[tuple[str, str], tuple[str, tuple[str, ...]]] = {
     ("LoadControl", "targets"): ("no targets", ("empty list",)),
     ("SelfContact", "obstacles"): ("no obstacles", ("empty list", "empty array", "dict")),
     ("Sheet", "cuts"): ("no cuts", ("empty list",)),
+    ("CellSheet", "cuts"): ("no cuts", ("empty list",)),
     ("Design", "cuts"): ("no cuts", ("empty list",)),
     ("Sheet", "folds"): ("no folds", ("empty list",)),
     ("TriMesh", "folds"): ("no folds", ("empty list",)),

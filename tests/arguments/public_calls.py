@@ -153,6 +153,17 @@ def periodic() -> tuple[kg.Model, kg.PeriodicCell]:
     return m, kg.PeriodicCell(m, squares.lattice, squares.images)
 
 
+def cell_sheet() -> kg.CellSheet:
+    return kg.CellSheet([(1, 0), (0, 1)], [[(0.3, 0.5), (0.7, 0.5)]], 0.02, STEEL)
+
+
+@cache
+def sheet_cell() -> tuple[kg.PeriodicCell, kg.Results]:
+    cell = kg.PeriodicCell(kg.Model.from_mesh(cell_sheet().mesh(0.5, 0.2)), cell_sheet().lattice)
+    cell.impose([None, 1e-4, None])
+    return cell, kg.LinearStatic(cell.model).run()
+
+
 @cache
 def tiling() -> Any:
     return kg.tilings.rotating_squares(angle=0.6)
@@ -276,6 +287,10 @@ CALLS: dict[str, Callable[[], Call]] = {
     "System.gradient": lambda: (system().gradient, {"u": u(), "lam": 0.0}),
     "System.energies": lambda: (system().energies, {"u": u(), "lam": 0.0}),
     "check_kernel": lambda: (kg.check_kernel, {"kernel": kernel(), "x": [[-1, 0.1], [0, 0.5], [1, 0]]}),
+    "CellSheet": lambda: (kg.CellSheet, {"lattice": [(1, 0), (0, 1)], "cuts": [[(0.3, 0.5), (0.7, 0.5)]]}),
+    "CellSheet.mesh": lambda: (cell_sheet().mesh, {"max_edge": 0.5, "cut_edge": 0.2}),
+    "CellSheet.repeated": lambda: (cell_sheet().repeated, {"nx": 2, "ny": 1}),
+    "CellSheet.supercell": lambda: (cell_sheet().supercell, {"nx": 2, "ny": 1}),
     "Sheet": lambda: (kg.Sheet, {"outline": [(0, 0), (1, 0), (1, 1)], "thickness": 0.1, "material": STEEL}),
     "Fold": lambda: (kg.Fold, {"line": [(0, 0), (1, 1)], "angle": 0.5, "stiffness": 0.1}),
     "FoldEdges": lambda: (kg.FoldEdges, {"edges": [(0, 1)], "angle": 0.5, "stiffness": 0.1}),
@@ -369,6 +384,10 @@ CALLS: dict[str, Callable[[], Call]] = {
         {"strain": [0.1, 0, 0]},
     ),
     "PeriodicCell.stiffness": lambda: (periodic()[1].stiffness, {}),
+    "PeriodicCell.law": lambda: (sheet_cell()[0].law, {"results": sheet_cell()[1]}),
+    "PeriodicCell.patch": lambda: (sheet_cell()[0].patch, {"of": sheet_cell()[1], "counts": [2, 2]}),
+    "PeriodicCell.waves": lambda: (sheet_cell()[0].waves, {"phases": [0.5, 0.2], "at": sheet_cell()[1][-1]}),
+    "PeriodicCell.buckling": lambda: (sheet_cell()[0].buckling, {"strain": [None, 1.0, None]}),
     "PeriodicCell.mean_stress": lambda: strained(),
     "Sweep": lambda: (kg.Sweep, {"function": area, "designs": [{"radius": 1.0}], "path": folder() / "sweep.csv"}),
     "Sweep.run": lambda: (
