@@ -171,12 +171,13 @@ class CellSheet(Sheet):
         lines: Mapping[str, BaseGeometry] | Sequence[BaseGeometry] = (),
         snap: float | None = None,
         allow_parts: bool = False,
+        mesher: str | None = None,
     ) -> TriMesh:
         """Mesh the cell, with the same nodes on opposite sides.
 
         Parameters
         ----------
-        max_edge, cut_edge, min_angle, nodes, size, lines, snap, allow_parts
+        max_edge, cut_edge, min_angle, nodes, size, lines, snap, allow_parts, mesher
             As for :meth:`kirigami.Sheet.mesh`. The sides are divided until each has the nodes of the other.
 
         Returns
@@ -196,7 +197,7 @@ class CellSheet(Sheet):
                 warnings.simplefilter("always")
                 made = sheet.mesh(
                     max_edge, cut_edge, min_angle, nodes=nodes, size=size, lines=lines, snap=snap,
-                    allow_parts=allow_parts,
+                    allow_parts=allow_parts, mesher=mesher,
                 )  # fmt: skip
             now = [self._on_sides(made, axis) for axis in (0, 1)]
             if all(_same(low, high) for low, high in now):
