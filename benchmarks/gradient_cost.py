@@ -53,7 +53,7 @@ def main(nodes=1000):
     solver.factorize(matrix)
     _, one = timed(lambda: solver.factorize(matrix))
     asked = [("force", "driven_0", "y"), ("height",), ("open_area",), ("energy",), ("position", "top", "y")]
-    adjoints, solving = timed(lambda: [at.adjoint(at.told(tell_of(item, res))) for item in asked])
+    adjoints, solving = timed(lambda: at.adjoints([at.told(tell_of(item, res)) for item in asked]))
     _, fields = timed(lambda: (of_sheet(adjoints, "thickness", "gradient"), of_sheet(adjoints, "strain", "gradient")))
     _, chain = timed(lambda: design.derivatives(adjoints))
     print(

@@ -1,33 +1,49 @@
-"""Hidden designs found again from their force curves, against a search without derivatives.
+"""Hidden designs found again from their force curves: three to ten parameters, each 20 % off at the start.
 
-A ribbon with three rows of slits; a design drawn at random is hidden, its curve of four forces is what is wanted, and
-the search starts with every length about 20 % off, to either side. It may try forty designs. ``python
-benchmarks/hidden_designs.py [trials] [first seed]`` prints a row for each trial, also those that fail;
-``compare`` in the place of the trials tells evaluations and seconds beside the simplex of Nelder and Mead.
+A ribbon with three rows of slits. A design drawn at random is hidden, its curve of four forces is what is wanted, and
+the search starts with every parameter 20 % off, to either side. It may try forty designs on its own mesh, and ends
+where every force is within 0.3 %; then the
+targets are corrected by a mesh twice as fine. A trial is met where the curve is within 1 % of the target on the mesh
+of the design, walked from flat, and within 3 % on the finer one.
+
+``python benchmarks/hidden_designs.py [trials] [first seed]`` adds a row for each trial, also those that fail, to
+``results/hidden_designs.csv``; trials that stand there are not made again. `met_at_once` is what one start reaches;
+where the search ends elsewhere, three further starts are spread over the ranges, and `met` counts these in.
 """
 
 from __future__ import annotations
 
+import csv
 import sys
 import time
+import warnings
+from pathlib import Path
 
 import numpy as np
 import shapely
 
 import kirigami as kg
-from kirigami.design.branch import Branch
-from kirigami.results.gradients.functionals import tell_of
 
+TABLE = Path(__file__).parent / "results" / "hidden_designs.csv"
 LAMS = [0.25, 0.5, 0.75, 1.0]
 FORCE = ("force", "driven_0", "y")
-MET = 0.01  # of the largest force
+MET, MET_FINER = 0.01, 0.03  # of the largest force
+ENOUGH = 3e-3
+DESIGNS = 40
+LENGTHS = ("low", "left", "right", "high")
+NAMES = (*LENGTHS, "below", "between", "above", "low_aside", "high_aside", "thick")
+LOW, HIGH = 0.65, 1.3
 
 
-def cuts(low, middle, high):
-    """Slits in the middle, at the sides and in the middle again."""
-    lines = [[(0.05 - 0.03 * low, 0.02), (0.05 + 0.03 * low, 0.02)]]
-    lines += [[(0, 0.05), (0.035 * middle, 0.05)], [(0.1 - 0.035 * middle, 0.05), (0.1, 0.05)]]
-    lines += [[(0.05 - 0.03 * high, 0.08), (0.05 + 0.03 * high, 0.08)]]
+def cuts(low, left, right, high, below, between, above, low_aside, high_aside):
+    """Slits in the middle, at the sides and in the middle again: lengths, distances of the rows, places across."""
+    first = 0.02 * below
+    second = first + 0.028 * between
+    third = second + 0.028 * above
+    one, two = 0.05 + 0.02 * (low_aside - 1), 0.05 + 0.02 * (high_aside - 1)
+    lines = [[(one - 0.03 * low, first), (one + 0.03 * low, first)]]
+    lines += [[(0, second), (0.035 * left, second)], [(0.1 - 0.035 * right, second), (0.1, second)]]
+    lines += [[(two - 0.03 * high, third), (two + 0.03 * high, third)]]
     return [shapely.LineString(line) for line in lines]
 
 
@@ -36,82 +52,87 @@ def pulled(m):
     m.add(kg.Fix(m.select(boundary="bottom"), clamp=True), kg.Fix(top, "xz", clamp=True), kg.Prescribe(top, y=0.006))
 
 
-def ribbon():
+def ribbon(searched, values):
+    """The ribbon, with ranges for the parameters that are searched for."""
+    given = {name: (value, LOW, HIGH) if name in searched else value for name, value in zip(NAMES, values)}
     return kg.Design(
-        cuts, outline=shapely.box(0, 0, 0.1, 0.1), supports=pulled, thickness=8e-4, material=kg.Material(2e9, 0.3),
-        mesh={"max_edge": 0.025, "cut_edge": 0.02}, low=(1.0, 0.6, 1.4), middle=(1.0, 0.6, 1.25), high=(1.0, 0.6, 1.4),
+        cuts, outline=shapely.box(0, 0, 0.1, 0.1), supports=pulled, thickness=lambda thick: 8e-4 * thick,
+        material=kg.Material(2e9, 0.3), mesh={"max_edge": 0.025, "cut_edge": 0.02}, **given,
     )  # fmt: skip
 
 
 def forces(design):
+    """The curve, walked from flat."""
     res = design.walk(LAMS, tol=1e-10)
     return np.array([res.reaction("driven_0", "y")[int(np.argmin(np.abs(res.lam - lam)))] for lam in LAMS])
 
 
 def hidden_and_start(seed):
+    """Which parameters are searched for, all values of the hidden design, and those the search starts with."""
     random = np.random.default_rng(seed)
-    hidden = random.uniform(0.85, 1.1, 3)
-    start = np.clip(hidden * (1 + 0.2 * random.choice([-1, 1], 3)), 0.62, [1.38, 1.23, 1.38])
-    return hidden, start
+    searched = [NAMES[k] for k in sorted(random.permutation(len(NAMES))[: 3 + seed % 8])]
+    hidden = random.uniform(0.85, 1.05, len(NAMES))
+    off = 1 + 0.2 * random.choice([-1, 1], len(NAMES))
+    return searched, hidden, np.where(np.isin(NAMES, searched), hidden * off, hidden)
 
 
 def trial(seed):
-    hidden, start = hidden_and_start(seed)
-    here = ribbon()
-    wanted = forces(here.at(hidden))
+    searched, hidden, start = hidden_and_start(seed)
+    design = ribbon(searched, start)
+    wanted = forces(design.at({name: value for name, value in zip(NAMES, hidden) if name in searched}))
     began = time.process_time()
-    found = kg.Inverse(here.at(start), (FORCE, LAMS, wanted), corrections=None, evaluations=40).run()
-    seconds = time.process_time() - began
-    away = np.abs(np.array(list(found.values.values())) / hidden - 1).max()
-    flat = float(np.abs(forces(found.design) / wanted - 1).max())
-    good = found.coarse_error < MET and flat < MET
-    print(
-        f"seed {seed}: {'met' if good else 'FAILED'}, error {found.coarse_error:.1e}, walked from flat {flat:.1e}, "
-        f"parameters off by {away:.1e}, {found.evaluations} designs, {found.walks} walks, {found.factorizations} "
-        f"factorisations, {seconds:.1f} CPU s",
-        flush=True,
-    )
-    return good
+    problem = kg.Inverse(design, (FORCE, LAMS, wanted), corrections=None, evaluations=DESIGNS - 1, enough=ENOUGH)
+    first = problem.run()  # the start is one of the designs
+    at_once = first.coarse_error < MET
+    found = first
+    if not at_once:
+        found = problem.run(starts=4, seed=seed)
+    coarse = float(np.abs(forces(found.design) - wanted).max() / wanted.max())
+    walks, tangents = found.walks, found.factorizations
+    fine, told = float("nan"), ""
+    if coarse < MET:
+        problem = kg.Inverse(
+            found.design, (FORCE, LAMS, wanted), evaluations=DESIGNS - 1, enough=ENOUGH, tolerance=MET_FINER
+        )
+        corrected = problem.run()
+        fine, told = corrected.error, corrected.status
+        walks, tangents = walks + corrected.walks, tangents + corrected.factorizations
+    away = max(abs(first.values[name] / hidden[NAMES.index(name)] - 1) for name in searched)
+    return {
+        "seed": seed, "parameters": len(searched), "names": " ".join(searched),
+        "met": coarse < MET and fine < MET_FINER, "met_at_once": at_once, "designs": first.evaluations,
+        "error_at_once": f"{first.coarse_error:.1e}", "error_from_flat": f"{coarse:.1e}",
+        "error_finer": f"{fine:.1e}", "status_finer": told, "parameters_off": f"{away:.1e}", "walks": walks,
+        "factorisations": tangents, "cpu_s": f"{time.process_time() - began:.0f}",
+    }  # fmt: skip
 
 
-def compare(seed):
-    from scipy.optimize import minimize
+def known():
+    """Rows of the table."""
+    if not TABLE.exists():
+        return []
+    with TABLE.open(newline="") as file:
+        return list(csv.DictReader(file))
 
-    hidden, start = hidden_and_start(seed)
-    here = ribbon()
-    wanted = forces(here.at(hidden))
-    began, branch, tried = time.process_time(), Branch(here.at(start), LAMS), []
 
-    def worth(x):
-        try:
-            branch.go_to(here.at(np.clip(x, 0.6, [1.4, 1.25, 1.4])))
-            tell = tell_of(FORCE, branch.results)
-            error = np.array([at.told(tell).value for at in branch.at]) / wanted.max() - wanted / wanted.max()
-        except kg.KirigamiError:
-            error = np.ones(4)
-        tried.append(np.abs(error).max())
-        return float((error**2).sum())
-
-    minimize(worth, start, method="Nelder-Mead", options={"maxfev": 120, "xatol": 1e-5, "fatol": 1e-12})
-    first = next((k + 1 for k, error in enumerate(tried) if error < 1e-3), None)
-    print(
-        f"Nelder-Mead, seed {seed}: best error {min(tried):.1e} in {len(tried)} designs, below 1e-3 after {first}, "
-        f"{branch.factorizations} factorisations, {time.process_time() - began:.1f} CPU s",
-        flush=True,
-    )
-    found = kg.Inverse(here.at(start), (FORCE, LAMS, wanted), corrections=None).run()
-    errors = [entry["error"] for entry in found.history]
-    first = next((k + 1 for k, error in enumerate(errors) if error < 1e-3), None)
-    print(
-        f"adjoint, seed {seed}: best error {np.nanmin(errors):.1e} in {len(errors)} designs, below 1e-3 after {first}, "
-        f"{found.factorizations} factorisations",
-        flush=True,
-    )
+def main(count=20, first=1):
+    warnings.simplefilter("ignore", kg.KirigamiWarning)
+    done = {int(row["seed"]) for row in known()}
+    for seed in range(first, first + count):
+        if seed in done:
+            continue
+        row = trial(seed)
+        new = not TABLE.exists()
+        with TABLE.open("a", newline="") as file:
+            writer = csv.DictWriter(file, row)
+            if new:
+                writer.writeheader()
+            writer.writerow(row)
+        print(row, flush=True)
+    rows = [row for row in known() if first <= int(row["seed"]) < first + count]
+    print(sum(row["met"] == "True" for row in rows), "of", len(rows), "met,",
+          sum(row["met_at_once"] == "True" for row in rows), "of them from the one start")  # fmt: skip
 
 
 if __name__ == "__main__":
-    if sys.argv[1:2] == ["compare"]:
-        compare(int(sys.argv[2]) if len(sys.argv) > 2 else 1)
-    else:
-        count, first = (int(sys.argv[k]) if len(sys.argv) > k else default for k, default in ((1, 20), (2, 1)))
-        print(sum(trial(first + k) for k in range(count)), "of", count, "met")
+    main(*(int(given) for given in sys.argv[1:3]))

@@ -51,10 +51,14 @@ def test_where_it_goes_does_not_depend_on_the_way():
     assert np.array_equal(there.mesh.nodes, start.at(inner=0.7, edge=1.1).mesh.nodes)
 
 
-@pytest.mark.parametrize("stiffness", ["plate", "facet", "shell"])
-def test_gradient_by_parameters_against_differences(stiffness):
-    here = design(stiffness=stiffness)
+@pytest.mark.parametrize("kind", ["plate", "paper", "facet", "shell", "orthotropic"])
+def test_gradient_by_parameters_against_differences(kind, monkeypatch):
+    """By the one contraction, which is not allowed to ask for the structure of another design."""
+    more = {"stiffness": kind} if kind != "orthotropic" else {"material": kg.Orthotropic(2e9, 1e9, 0.3, 5e8, angle=20)}
+    here = design(**more)
     res = here.walk([1.0])
+    if kind != "facet":  # whose clamps are made of the rest state
+        monkeypatch.setattr("kirigami.design.design.potentials", None)
     asked = [("force", "driven_0", "y"), ("open_area",), ("energy",), ("height",)]
     found = res.gradient(asked, here)
     u = prepared(res.model).joined(res[-1].u, res[-1].inner)
@@ -68,6 +72,33 @@ def test_gradient_by_parameters_against_differences(stiffness):
         far, near, back, behind = np.array(sides)
         differences = (8 * (near - back) - (far - behind)) / (12 * step)
         assert [rates[name] for rates in found] == pytest.approx(differences, rel=1e-6)
+
+
+@pytest.mark.parametrize("free", [False, True])
+def test_what_is_measured_against_the_drawing_changes_with_it(free):
+    """The Poisson ratio of a sheet whose width is a parameter, with supports that the nodes alone place or not."""
+
+    def supports(m):
+        pulled(0.002)(m)
+        if free:  # another force for another width
+            m.add(kg.NodalLoad(m.select(boundary="right"), (0.1 * m.positions()[:, 0].max(), 0, 0)))
+
+    def slits(width):
+        return [shapely.LineString([(0.3 * width, 0.025), (0.7 * width, 0.025)])]
+
+    here = kg.Design(
+        slits, outline=lambda width: shapely.box(0, 0, width, 0.08), supports=supports, thickness=1e-3,
+        material=kg.Material(2e9, 0.3), mesh={"max_edge": 0.03}, width=(0.1, 0.05, 0.2),
+    )  # fmt: skip
+    asked = [("poisson_ratio",), ("width",), ("force", "driven_0", "y")]
+    res = here.walk([1.0])
+    found = [rates["width"] for rates in res.gradient(asked, here)]
+    u, step, sides = prepared(res.model).joined(res[-1].u, res[-1].inner), 1e-5, []
+    for sign in (1, -1):
+        system = prepared(here.at(width=0.1 + sign * step).model(), res[-1].history)
+        state = Equilibrium(system, u, 1.0)
+        sides.append([state.told(tell_of(item, kg.Results(system))).value for item in asked])
+    assert found == pytest.approx((np.array(sides[0]) - np.array(sides[1])) / (2 * step), rel=1e-5)
 
 
 def test_finer_and_remeshed():

@@ -88,6 +88,7 @@ class Branch:
                 return None
             system.commit(state.u, state.lam)
             found.append(state)
+        self.results = Results(found[-1].system)  # nodes, supports and mesh are those of the design as it is now
         return found
 
 

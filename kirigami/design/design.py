@@ -11,6 +11,8 @@ from typing import Any
 import numpy as np
 
 from kirigami.analysis.path.methods import DisplacementControl, LoadControl
+from kirigami.deferred import deferred
+from kirigami.design.chain import STEP, Chain
 from kirigami.design.potentials import Changed, potentials
 from kirigami.elements.stiffness import rung_named
 from kirigami.errors import KirigamiWarning, ModelError
@@ -32,8 +34,8 @@ from kirigami.primitives.kernel import Array
 from kirigami.primitives.material import SheetMaterial
 from kirigami.results.gradients.equilibrium import Adjoint
 from kirigami.results.results import Results
-
-STEP = 1e-5  # of the range of a parameter, in central differences
+from kirigami.study.load_case import LoadCase
+from kirigami.study.setting import set_up
 
 
 class Design:
@@ -50,8 +52,9 @@ class Design:
         given those parameters that it names.
     outline : shapely.Polygon, sequence of (x, y), or callable
         The sheet, or a function of parameters.
-    supports : callable
-        ``supports(model)`` adds supports and loads to a model of the sheet.
+    supports : callable or LoadCase
+        ``supports(model)`` adds supports and loads to a model of the sheet; a :class:`LoadCase` does what it does for
+        :func:`kirigami.stretch`, and :meth:`export` writes it with the drawing.
     thickness : float, tuple or callable
         Thickness [length], a function of parameters, or ``(start, low, high)``, which makes it a parameter.
     material : Material, Orthotropic, Laminate or callable
@@ -108,7 +111,7 @@ class Design:
         cuts: Any,
         *,
         outline: Any,
-        supports: Callable[[Model], Any],
+        supports: Callable[[Model], Any] | LoadCase,
         thickness: Any = None,
         material: Any = None,
         mesh: Mapping[str, Any] | None = None,
@@ -127,7 +130,8 @@ class Design:
         for name, given in parameters.items():
             self.values[name], self.bounds[name] = _parameter(name, given)
         self.stiffness = rung_named(stiffness, "Design")
-        self.supports = require_callable(supports, "supports", "Design")
+        self.case = supports if isinstance(supports, LoadCase) else None
+        self._hold = None if self.case is not None else require_callable(supports, "supports", "Design")
         settings = {"nodes": 1000} if mesh is None else dict(require_mapping(mesh, "mesh", "Design"))
         self.mesh_settings: dict[str, Any] = settings
         self._made = {"cuts": cuts, "outline": outline, "thickness": thickness, "material": material}
@@ -148,7 +152,8 @@ class Design:
     def _take_reference(self) -> None:
         """Mesh the sheet as it is now; everything else moves from here."""
         sheet = self.sheet()
-        self._reference_mesh: TriMesh = sheet.mesh(**self.mesh_settings)
+        lines = {} if self.case is None else {"lines": set_up(self.case, sheet).lines}
+        self._reference_mesh: TriMesh = sheet.mesh(**{**lines, **self.mesh_settings})
         self._drawn = (sheet.outline, sheet.cuts)
         self._drawn_at = dict(self.values)
         check_topology(*self._drawn, self._drawn, "Design")
@@ -237,6 +242,11 @@ class Design:
             raise ModelError(f"Design: material() must return a material, got {shown(material)}")
         return Sheet(self._call("outline"), self._call("cuts"), self._call("thickness"), material)
 
+    def _takes(self, name: str, *which: str) -> bool:
+        """Whether one of "cuts", "outline", "thickness", "material" is a function of a parameter."""
+        made = (self._made[what] for what in which)
+        return any(callable(what) and name in _names(what, self.values) for what in made)
+
     @property
     def mesh(self) -> TriMesh:
         """The moved mesh."""
@@ -247,6 +257,11 @@ class Design:
             points = self._follower.points(sheet.outline, sheet.cuts)
             self._mesh = with_nodes(self._reference_mesh, points, tell=False)
         return self._mesh
+
+    def _on_lines(self) -> Array:
+        """Displacements (k, 2) of the nodes that lie on lines, which those of all follow from."""
+        sheet = self.sheet()
+        return self._follower.on_lines(sheet.outline, sheet.cuts)
 
     def ligament(self) -> float:
         """Least distance [length] of two cuts, or of a cut and the outline that it does not reach."""
@@ -290,18 +305,35 @@ class Design:
         """A model of the sheet at the present values, with its supports and its imperfection."""
         model = self._flat()
         if self._amplitude != 0:
-            if not self._offsets:
-                self._offsets.append(self._with(self._drawn_at)._imperfection())
-            model.perturb(self._offsets[0])
+            model.perturb(self._offset())
         return model
 
+    def _offset(self) -> Any:
+        """The imperfection (n, 3), or zero."""
+        if self._amplitude == 0:
+            return 0.0
+        if not self._offsets:
+            self._offsets.append(self._with(self._drawn_at)._imperfection())
+        return self._offsets[0]
+
     def _flat(self) -> Model:
+        model = self._sheet_model()
+        self.supports(model)
+        return model
+
+    def supports(self, model: Model) -> None:
+        """Add supports and loads to a model of the sheet."""
+        if self.case is not None:
+            set_up(self.case, self.sheet()).hold(model)
+        else:
+            assert self._hold is not None
+            self._hold(model)
+
+    def _sheet_model(self) -> Model:
         sheet = self.sheet()
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", KirigamiWarning)
-            model = Model.from_mesh(self.mesh, sheet.thickness, sheet.material, self.stiffness)
-        self.supports(model)
-        return model
+            return Model.from_mesh(self.mesh, sheet.thickness, sheet.material, self.stiffness)
 
     def _imperfection(self) -> Array:
         model = self._flat()
@@ -331,15 +363,22 @@ class Design:
     def derivatives(self, adjoints: Sequence[Adjoint], names: Sequence[str] | None = None) -> list[dict[str, float]]:
         """Derivatives of functionals at equilibria of this design by its parameters: for ``results.gradient``."""
         found: list[dict[str, float]] = [{} for _ in adjoints]
+        chain = Chain(self, adjoints)
         for name in self.values if names is None else names:
             step = STEP * self.span(name)
-            sides = []
-            for sign in (1.0, -1.0):
-                system = Changed(self._with({name: self.values[name] + sign * step}).model())
-                sides.append(potentials(adjoints, system))
-            for rates, ahead, behind in zip(found, *sides):
-                rates[name] = (ahead - behind) / (2 * step)
+            sides = [self._with({name: self.values[name] + way}) for way in (step, -step)]
+            column = chain.rates(name, sides, step)
+            if column is None:
+                ahead, behind = (potentials(adjoints, Changed(side.model())) for side in sides)
+                column = [(one - other) / (2 * step) for one, other in zip(ahead, behind)]
+            for rates, adjoint, rate in zip(found, adjoints, column):
+                measured = adjoint.told.by_drawing
+                if measured is not None:  # what is measured against the drawing
+                    rate += (measured(sides[0].mesh) - measured(sides[1].mesh)) / (2 * step)
+                rates[name] = rate
         return found
+
+    export = deferred("kirigami.design.export:export")
 
     def __repr__(self) -> str:
         told = ", ".join(f"{name}={value:.6g}" for name, value in self.values.items())

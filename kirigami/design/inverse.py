@@ -51,6 +51,8 @@ class Inverse:
         else "slsqp".
     evaluations : int
         Most designs to try, in each round of correction.
+    enough : float
+        Error on the design's own mesh at which the search ends, if the constraints hold and nothing is wished for.
     tolerance : float
         Error on the finer mesh up to which the answer counts as verified.
     corrections : int
@@ -90,6 +92,7 @@ class Inverse:
         *,
         method: str = "auto",
         evaluations: int = 40,
+        enough: float = 1e-6,
         tolerance: float = VERIFIED,
         corrections: int | None = 2,
         finer: float = 2.0,
@@ -104,6 +107,7 @@ class Inverse:
             require_choice(method, ("auto", *METHODS), "method", "Inverse"), design, self.targets, self.constraints
         )
         self.evaluations = require_whole(evaluations, "evaluations", "Inverse", 1)
+        self.enough = require_not_negative(enough, "enough", "Inverse")
         self.tolerance = require_positive(tolerance, "tolerance", "Inverse")
         self.corrections = None if corrections is None else require_whole(corrections, "corrections", "Inverse", 0)
         self.finer = require_positive(finer, "finer", "Inverse")

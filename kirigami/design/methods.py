@@ -23,6 +23,10 @@ class OutOfEvaluationsError(Exception):
     """As many designs were tried as allowed."""
 
 
+class GoodEnoughError(Exception):
+    """The best design meets its targets so closely that no better one is looked for."""
+
+
 def chosen_method(method: str, design: Design, targets: Sequence[Target], bounds: Sequence[Bound]) -> str:
     """The method for a problem, or a ModelError where the one given cannot serve it."""
     plain = not bounds and not any(target.wish for target in targets)
@@ -44,7 +48,10 @@ def optimise(method: str, search: Any) -> str:
     span = np.array([design.span(name) for name in design.free])
     ends = np.array([design.bounds[name] for name in design.free]) / span[:, None]
     start = search.best.x / span
-    {"least squares": _least_squares, "slsqp": _slsqp, "mma": _mma}[method](search, span, ends, start)
+    try:
+        {"least squares": _least_squares, "slsqp": _slsqp, "mma": _mma}[method](search, span, ends, start)
+    except GoodEnoughError:
+        pass
     return "closest"
 
 

@@ -14,7 +14,7 @@ from kirigami.design.answer import InverseResult
 from kirigami.design.asked import asked, carries_over, combined
 from kirigami.design.branch import Branch, rates
 from kirigami.design.design import Design
-from kirigami.design.methods import OutOfEvaluationsError, optimise
+from kirigami.design.methods import GoodEnoughError, OutOfEvaluationsError, optimise
 from kirigami.design.targets import load_factors
 from kirigami.errors import AnalysisError, KirigamiError, KirigamiWarning
 from kirigami.files import whole_file
@@ -64,6 +64,8 @@ class Search:
         """A design by its parameters; None where it does not exist or cannot be walked."""
         if self.best is not None and np.array_equal(x, self.best.x) and self.best.told.size:
             return self.best
+        if self.best is not None and self._enough(self.best):
+            raise GoodEnoughError
         if len(self.history) - self.begun >= self.problem.evaluations:
             raise OutOfEvaluationsError
         poor = False
@@ -92,6 +94,18 @@ class Search:
             self.best = found
         self._note(x, float(np.abs(found.errors).max(initial=0.0)))
         return found
+
+    def _enough(self, trial: Trial) -> bool:
+        """Whether nothing better need be looked for."""
+        met = float(np.abs(trial.errors).max(initial=0.0)) <= self.problem.enough
+        return met and not any(target.wish for target in self.problem.targets) and self._within(trial)
+
+    def _within(self, trial: Trial) -> bool:
+        """Whether a design keeps its constraints."""
+        return all(
+            bound.low - 1e-6 * abs(value) <= value <= bound.high + 1e-6 * abs(value)
+            for bound, value in zip(self.problem.constraints, trial.bounds)
+        )
 
     def _inside(self, x: Array) -> Array:
         ends = np.array([self.design.bounds[name] for name in self.design.free])
@@ -254,10 +268,7 @@ class Search:
         split = np.cumsum([len(target.lam) for target in problem.targets])[:-1]
         coarse = np.split(best.told, split)
         met = float(np.abs(best.errors).max(initial=0.0))
-        inside = all(
-            bound.low - 1e-6 * abs(value) <= value <= bound.high + 1e-6 * abs(value)
-            for bound, value in zip(problem.constraints, best.bounds)
-        )
+        inside = self._within(best)
         own = max(
             (float(np.abs(told - target.values).max() / target.scale)
              for told, target in zip(coarse, problem.targets) if not target.wish),

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kirigami.elements.driven_rest import driven, untouched
-from kirigami.primitives.kernel import Array, Contribution, Kernel
+from kirigami.primitives.kernel import Array, Configuration, Contribution, Kernel, full_hessian
 
 TURN = 2 * math.pi
 
@@ -30,17 +30,20 @@ class AngleKernel(Kernel):
     drive: Array | None  # change of the rest angle with the load factor
     _initial: Array
     _committed: Array
+    follows: NDArray[np.bool_] | None = None  # whose angle without moment (n,) is that of the rest state
 
     def _begin(self, initial: Array, rest_angle: Array, targets: Array | None = None) -> None:
         """Start from the angles of the rest state; nan among the rest angles takes them over. `targets` as by
         :func:`kirigami.elements.driven_rest.targets_of`."""
         self._initial = initial
         self._committed = initial.copy()
+        self.follows = np.isnan(rest_angle)
         self.rest_angle, self.drive = driven(np.where(np.isnan(rest_angle), initial, rest_angle), targets)
         self.scaled = self.drive is not None
 
     def actuate(self, members: NDArray[np.int64], values: Array, constant: bool) -> None:
         """Add `values` (k,) to the angle without moment of `members` (k,), in full or with the load factor."""
+        self.follows = None  # what is told may depend on the rest state as well
         turned = np.zeros(len(self.conn))
         np.add.at(turned, members, values)
         if constant:
@@ -65,6 +68,24 @@ class AngleKernel(Kernel):
     def angle_derivatives(self, x: Array) -> Array:
         """Gradient (n, k, dim) of the angle of each member."""
         raise NotImplementedError
+
+    def by_rest(self, x: Array, lam: float, fields: Array, energies: Array) -> Array | None:
+        """In closed form: where the nodes are, by the Hessian; what angles without moment are, by their gradients."""
+        if self.follows is None or self.drive is not None:
+            return None
+        rest: Array = self.rest  # type: ignore[attr-defined]
+        told = self.evaluate(x, lam, 2)
+        assert told.gradient is not None
+        hessian, turning = full_hessian(self, told), self.angle_derivatives(x)
+        at_rest = self.angle_derivatives(Configuration(rest, np.zeros_like(rest))) * self.follows[:, None, None]
+        excess = self.deformation(x) - self.rest_angle
+        found = np.zeros((len(fields), *rest.shape))
+        for total, field, share in zip(found, fields, energies.tolist()):
+            moved = field[self.conn]
+            rows = np.einsum("nklab,nlb->nka", hessian, moved) + share * told.gradient
+            moment = self.stiffness * (np.einsum("nka,nka->n", turning, moved) + share * excess)
+            np.add.at(total, self.conn, rows - moment[:, None, None] * at_rest)
+        return found
 
     def unwrap(self, angle: Array) -> Array:
         """The value of a raw angle, known up to whole turns, that lies nearest to the committed one.

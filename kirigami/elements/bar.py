@@ -160,7 +160,8 @@ class Bar(ModelObject):
             )
         EA = np.array([bar.EA for bar in objects])
         length = np.array([math.nan if bar.rest_length is None else bar.rest_length for bar in objects])
-        length = np.where(np.isnan(length), distance, length)
+        follows = np.isnan(length)
+        length = np.where(follows, distance, length)
         line = np.array([bar.mass_per_length for bar in objects])
         kernels: list[Kernel] = []
         groups: dict[tuple[str, str, bool, bool], list[int]] = {}
@@ -178,7 +179,9 @@ class Bar(ModelObject):
                 curves = [bar.yield_curve for bar in some]
                 kernels.append(YieldingBarKernel(*arrays, yields=Hardening.of(curves).packed))
             else:
-                kernels.append(BarKernel(*arrays))
+                kernel = BarKernel(*arrays)
+                kernel.follows = follows[members]
+                kernels.append(kernel)
         return kernels
 
 
@@ -190,6 +193,7 @@ class BarKernel(NaturalKernel):
     translation_invariant = True
     measures_displacement = True
     approximates = True
+    follows: NDArray[np.bool_] | None = None  # whose rest length (n,) is that of the rest state; None if not known
 
     def __init__(
         self,
@@ -336,6 +340,32 @@ class BarKernel(NaturalKernel):
         _, stress, slope = self._law(self._strain(green, length, lam))
         ahead = stress + slope * self._rate(vector, length, change, lam)
         return np.maximum(ahead, 0.0) if self.law == "cable" else ahead
+
+    def by_rest(self, x: Array, lam: float, fields: Array, energies: Array) -> Array | None:
+        """In closed form: strain and its rate are functions of the vector at rest and of the rest length."""
+        if self.follows is None or self.drive is not None or self._natural is not None:
+            return None
+        vector, green, length = self._vectors(x)
+        L, engineering = self.rest_length, self.strain == "engineering"
+        strain = self._strain(green, length, lam)
+        energy, stress, slope = self._law(strain)
+        base = L * (length if engineering else L)
+        by_length = -(1 + strain if engineering else 1 + 2 * strain) / L
+        found = np.zeros((len(fields), *self.rest.shape))
+        for total, field, share in zip(found, fields, energies.tolist()):
+            change = self._between(field)
+            rate = (vector * change).sum(axis=0) / base
+            by_strain = slope * rate + share * stress
+            turned = change / base
+            if engineering:
+                turned -= rate / length**2 * vector
+            by_vector = self.EA * L * (by_strain / base * vector + stress * turned)
+            by_rest = self.EA * (stress * rate + share * energy)
+            by_rest += self.EA * L * (by_strain * by_length - stress * rate * (1 if engineering else 2) / L)
+            pull = (by_vector + np.where(self.follows, by_rest / self._distance, 0.0) * self._rest_vector).T
+            np.add.at(total, self.conn[:, 1], pull)
+            np.add.at(total, self.conn[:, 0], -pull)
+        return found
 
     def compiled(self) -> CompiledKernel | None:
         if self.strain != "green" or self.law != "linear" or self.rest.shape[1] != 3 or self.drive is not None:

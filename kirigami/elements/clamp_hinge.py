@@ -26,6 +26,7 @@ from kirigami.elements.bend_hinge import BendHingeKernel
 from kirigami.elements.edge_turn import EdgeTurn
 from kirigami.elements.natural import NaturalKernel
 from kirigami.primitives.kernel import EXACT, Array, Contribution, Tangent, full_hessian
+from kirigami.primitives.sensitivity import by_rest_differences
 
 Index = NDArray[np.int64]
 
@@ -60,6 +61,7 @@ class HeldEdgeKernel(NaturalKernel):
     name = "clamps"
     anchored = True
     approximates = True
+    mesh_edges: Index | None = None  # of the mesh, where the constants are that of a mesh and not of the rest state
 
     def __init__(
         self,
@@ -127,6 +129,12 @@ class HeldEdgeKernel(NaturalKernel):
 
     def force_at(self, deformation: Array, lam: float) -> Array:
         return self.force(self.beyond(deformation, lam))
+
+    def by_rest(self, x: Array, lam: float, fields: Array, energies: Array) -> Array | None:
+        """By differences, where the constants do not feel the rest state."""
+        if self.mesh_edges is None or self._natural is not None:
+            return None
+        return by_rest_differences(self, x, lam, fields, energies)
 
     def _slopes(self, x: Array) -> Array:
         """Derivatives (n, nodes, 3) of chi by the positions."""

@@ -44,6 +44,7 @@ from kirigami.primitives.kernel import EXACT, Array, Contribution, Kernel, Tange
 from kirigami.primitives.material import Material
 from kirigami.primitives.node import Node, require_nodes
 from kirigami.primitives.parts import ModelObject, Numbering
+from kirigami.primitives.sensitivity import by_rest_differences
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -307,6 +308,10 @@ class FacetKernel(NaturalKernel):
         """Fold angles (n, 3) that facets bear something at."""
         natural = self.natural(lam)
         return self.fold_angles(x) if natural is None else self.fold_angles(x) - natural[:, 3:]
+
+    def by_rest(self, x: Array, lam: float, fields: Array, energies: Array) -> Array | None:
+        """By differences, one for each coordinate of a facet: those of all facets at once."""
+        return None if self._natural is not None else by_rest_differences(self, x, lam, fields, energies)
 
     def fold_moments(self, x: Array, lam: float) -> Array:
         """Moment (n, 3) of each facet on its folds, the derivatives of its energy by the fold angles."""

@@ -146,7 +146,9 @@ def _hinge_members(edges: Index, planes: Array, numbering: Numbering) -> list[Ke
     at = np.tile([0, 1, 2], (len(edges), 1))
     none = np.empty(0, np.int64), np.empty((0, 4), np.int64), np.empty(0)
     carried = np.asarray(~planes.any(axis=1))
-    return [HeldEdgeKernel(numbering.rest, conn, stiffness, own, at, np.ones(len(edges)), planes, carried, *none)]
+    kernel = HeldEdgeKernel(numbering.rest, conn, stiffness, own, at, np.ones(len(edges)), planes, carried, *none)
+    kernel.mesh_edges = edges
+    return [kernel]
 
 
 def _facet_members(edges: Index, planes: Array, numbering: Numbering) -> list[Kernel]:

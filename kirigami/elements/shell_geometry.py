@@ -97,9 +97,12 @@ class Chart:
         Unit vectors along each edge and across it.
     gradient : ndarray, shape (n, 3, 2)
         Of the barycentric coordinates.
+    corner_vectors : ndarray, shape (2, 3, n)
+        From corner 0 to the others, in space.
     """
 
     def __init__(self, vectors: Array) -> None:
+        self.corner_vectors = vectors[:2]
         first, second = vectors[0].T, vectors[1].T
         base = np.linalg.norm(first, axis=1)
         foot = np.einsum("na,na->n", first, second) / base

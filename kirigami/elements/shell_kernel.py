@@ -20,7 +20,9 @@ from kirigami.elements.shell_bending import (
 )
 from kirigami.elements.shell_geometry import EDGE_OF_POINT, Chart, facet_vectors
 from kirigami.elements.shell_membrane import Membrane
-from kirigami.elements.shell_rest import angle_scale, bulges, corner_normals, initial_directors
+from kirigami.elements.shell_rates import Look, looks
+from kirigami.elements.shell_rest import angle_scale, initial_directors
+from kirigami.elements.smooth_normals import bulges, corner_normals
 from kirigami.primitives.kernel import EXACT, Array, CompiledKernel, Contribution, Tangent, displacement_of
 
 CHUNK = 512  # facets whose Hessians are made at a time, so that they stay in the processor's cache
@@ -85,6 +87,7 @@ class ShellFacetKernel(NaturalKernel):
         self.coupled = bool(np.any(section[:, :3, 3:]))
         self._natural = natural
         self._heat = heat
+        self._seen: tuple[Any, ...] = ()
         self._scale()
 
     def arrays(self) -> dict[str, Any]:
@@ -294,19 +297,15 @@ class ShellFacetKernel(NaturalKernel):
 
     def _rates(self, x: Array, change: Array) -> Array:
         """First-order change of strain and curvature (n, 3, 6) at the corners for a change (rows, 3)."""
-        vectors, directors = self._vectors(x)[0], self._local_directors()
-        moved = facet_vectors(change, self.conn).reshape(15, -1)
-        turned = np.asarray(change)[self.conn[:, 6:]].transpose(1, 2, 0).reshape(9, -1)
-        rates = np.empty((len(self.conn), 3, 6))
-        for start in range(0, len(self.conn), CHUNK):
-            part = slice(start, start + CHUNK)
-            v = vectors[..., part]
-            chains = self._chains(_State(v, area_frames(v), edge_frames(v), directors[..., part], part))
-            stretch = np.einsum("mzn,zn->mn", chains[0], moved[:, part])
-            bent = np.einsum("mzn,zn->mn", chains[1], np.concatenate([moved[:, part], turned[:, part]]))
-            rates[part, :, :3] = _apply(self._membrane.to_strain[part], stretch)
-            rates[part, :, 3:] = _apply(self._bending.to_curvature[part], bent)
-        return rates
+        field = np.asarray(change)
+        return np.concatenate([look.rates(field).fields for look in self._looks(x)])
+
+    def _looks(self, x: Array) -> list[Look]:
+        """What rates at positions x need whatever the field: several are asked for at the same place."""
+        if not self._seen or self._seen[1] is not self._directors or not np.array_equal(self._seen[0], x):
+            self._seen = np.array(x), self._directors, looks(self, x)
+        found: list[Look] = self._seen[2]
+        return found
 
     def sensitivity(self, x: Array, lam: float, v: Array, energy: float = 0.0) -> dict[str, Array]:
         """In closed form: by "section" (n, 6, 6), symmetric, and by the strain and curvature "natural" (n, 6), in the
@@ -317,6 +316,16 @@ class ShellFacetKernel(NaturalKernel):
         section = np.einsum("nia,nib->nab", both, spread)
         natural = -self._resultants(rates + energy * felt).sum(axis=1)
         return {"section": 0.5 * (section + section.transpose(0, 2, 1)), "natural": natural}
+
+    def by_rest(self, x: Array, lam: float, fields: Array, energies: Array) -> Array | None:
+        """In closed form, see :mod:`kirigami.elements.shell_by_rest`."""
+        if type(self) is not ShellFacetKernel or self._natural is not None:
+            return None
+        if self.planes is not None or self.seams is not None:  # whose edges bulge with what lies beyond
+            return None
+        from kirigami.elements.shell_by_rest import by_rest
+
+        return by_rest(self, x, fields, energies)
 
     def corner_deformation(self, x: Array) -> Array:
         """Strain and curvature (n, 3, 6) at the corners of each facet, in the axes of :meth:`deformation`."""

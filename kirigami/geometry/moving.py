@@ -59,6 +59,14 @@ class Extension:
             found[self._free] = self._factor.solve(-(self._coupling @ change.ravel()))
         return found.reshape(-1, 2)
 
+    def back(self, by_nodes: Floats) -> Floats:
+        """Derivatives (k, 2) by the displacements of the given nodes of what has some (n, 2) by those of all."""
+        flat = by_nodes.ravel()
+        found = flat[self._held]
+        if self._factor is not None:
+            found = found - self._coupling.T @ self._factor.solve(flat[self._free])  # the matrix is symmetric
+        return np.asarray(found.reshape(-1, 2))
+
 
 def moved(mesh: TriMesh, nodes: ArrayLike, places: ArrayLike) -> TriMesh:
     """Copy in which some nodes are elsewhere in the plane, and the others have followed; facets, sets and cuts stay.
@@ -160,6 +168,14 @@ class Follower:
 
     def points(self, outline: shapely.Polygon, cuts: tuple[Any, ...]) -> Floats:
         """Places (n, 2) of all nodes for an outline and cuts of the same topology."""
+        return np.asarray(self.mesh.nodes[:, :2] + self._extension.field(self.on_lines(outline, cuts)))
+
+    def back(self, by_nodes: Floats) -> Floats:
+        """Derivatives (k, 2) by what :meth:`on_lines` tells of what has some (n, 2) by the places of the nodes."""
+        return self._extension.back(by_nodes)
+
+    def on_lines(self, outline: shapely.Polygon, cuts: tuple[Any, ...]) -> Floats:
+        """Displacements (k, 2) of the nodes on lines, from where they were meshed."""
         lines = [_corners(outline), *(_corners(cut) for cut in cuts)]
         change = np.zeros((len(self.nodes), 2))
         for number, (before, after) in enumerate(zip(self.lines, lines)):
@@ -168,7 +184,7 @@ class Follower:
             motion = after - before
             change[on] = (1 - t) * motion[piece, 0] + t * motion[piece, 1]
         self._slide(change, lines)
-        return np.asarray(self.mesh.nodes[:, :2] + self._extension.field(change))
+        return change
 
     def _slide(self, change: Floats, lines: list[Floats]) -> None:
         """Where a cut that reaches the outline moves along it, the nodes of the outline beside it slide as well."""

@@ -101,6 +101,10 @@ class NodalLoadKernel(Kernel):
     def arrays(self) -> dict[str, Any]:
         return {"conn": self.conn, "force": self.applied, "constant": self.constant}
 
+    def by_rest(self, x: Array, lam: float, fields: Array, energies: Array) -> Array | None:
+        """Dead forces feel displacements alone."""
+        return np.zeros((len(fields), *self.rest.shape))
+
     def evaluate(self, x: Array, lam: float = 1.0, need: int = 2) -> Contribution:
         factor = 1.0 if self.constant else lam
         u = displacement_of(x, self.rest)[self.conn[:, 0]]

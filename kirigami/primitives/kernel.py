@@ -305,6 +305,15 @@ class Kernel:
 
         return by_differences(self, x, lam, v, energy)
 
+    def by_rest(self, x: Array, lam: float, fields: Array, energies: Array) -> Array | None:
+        """Derivatives (k, rows, dim) by what the rows hold in the rest state of `fields` (k, rows, dim) times its
+        gradient, and of its energy times `energies` (k,), at fixed displacements.
+
+        Numbers that were taken from the rest state, as a rest length that nobody gave, follow it. None where that is
+        not known: the structure is then lowered once more with its rest state changed.
+        """
+        return None
+
     def fits(self, history: Array) -> bool:
         """Whether `history` can be that of this kernel; it may be of another model."""
         own = self.history

@@ -6,6 +6,7 @@ import inspect
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 if TYPE_CHECKING:
     from kirigami.primitives.kernel import Array, Kernel
@@ -58,4 +59,38 @@ def by_differences(kernel: Kernel, x: Array, lam: float, v: Array, energy: float
                 sides.append(member_work(rebuilt(kernel, **{name: moved.reshape(values.shape)}), x, lam, v, energy))
             rates[:, column] = np.where(np.isfinite(given), (sides[0] - sides[1]) / (2 * step), 0.0)
         found[name] = rates.reshape(values.shape)
+    return found
+
+
+def by_rest_differences(kernel: Kernel, x: Array, lam: float, fields: Array, energies: Array) -> Array:
+    """As :meth:`Kernel.by_rest`, for kernels made of a rest state and arrays of their members alone.
+
+    Every member is given nodes of its own, so that two evaluations serve one coordinate of all of them.
+    """
+    from kirigami.primitives.kernel import Configuration, displacement_of
+
+    rest: Array = kernel.rest  # type: ignore[attr-defined]
+    arrays = kernel.arrays()
+    given: NDArray[np.int64] = arrays["conn"]
+    count, nodes = given.shape
+    apart = np.arange(count * nodes).reshape(count, nodes)
+    own, moved = rest[given.ravel()], displacement_of(x, rest)[given.ravel()]
+    at_nodes = fields[:, given.ravel()]
+    step = STEP * np.linalg.norm(np.ptp(own.reshape(count, nodes, -1), axis=1), axis=1)
+    found = np.zeros((len(fields), *rest.shape))
+    for local in range(nodes):
+        for axis in range(rest.shape[1]):
+            sides = []
+            for sign in (1.0, -1.0):
+                places = own.copy()
+                places[apart[:, local], axis] += sign * step
+                twin = type(kernel)(places, **{**arrays, "conn": apart})  # type: ignore[call-arg]
+                if kernel.history is not None:
+                    twin.history = kernel.history
+                told = twin.evaluate(Configuration(places, moved), lam, 1)
+                assert told.gradient is not None
+                work = np.einsum("nka,tnka->tn", told.gradient, at_nodes[:, twin.conn])
+                sides.append(work + energies[:, None] * told.energy)
+            for total, rate in zip(found, (sides[0] - sides[1]) / (2 * step)):
+                np.add.at(total[:, axis], given[:, local], rate)
     return found

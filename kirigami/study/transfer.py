@@ -13,7 +13,7 @@ import shapely
 from numpy.typing import NDArray
 
 from kirigami.analysis.path.methods import DisplacementControl
-from kirigami.elements.shell_rest import bulges, corner_normals
+from kirigami.elements.smooth_normals import bulges, corner_normals
 from kirigami.errors import ConvergenceError, ModelError
 from kirigami.geometry.mesh import TriMesh
 from kirigami.model.model import Model

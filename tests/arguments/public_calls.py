@@ -40,6 +40,13 @@ def drawn() -> kg.Design:
     )  # fmt: skip
 
 
+def pulled_design() -> kg.Design:
+    return kg.Design(
+        (), outline=[(0, 0), (1, 0), (1, 2), (0, 2)], supports=kg.LoadCase(strain=0.01), thickness=take_size,
+        material=kg.Material(E=1e6), mesh={"max_edge": 1.0}, stiffness="plate", imperfection=0, size=(0.1, 0.05, 0.2),
+    )  # fmt: skip
+
+
 def mesh() -> kg.TriMesh:
     x, y = np.meshgrid(np.linspace(0, 1, 4), np.linspace(0, 1, 4))
     corners = [4 * row + column for row in range(3) for column in range(3)]
@@ -435,6 +442,7 @@ CALLS: dict[str, Callable[[], Call]] = {
         "seed": 0, "size": (0.1, 0.05, 0.2),
     }),
     "Design.at": lambda: (drawn().at, {"size": 0.12}),
+    "Design.export": lambda: (pulled_design().export, {"folder": folder(), "finer": 1.5}),
     "Design.finer": lambda: (drawn().finer, {"factor": 1.2}),
     "Design.ligament": lambda: (drawn().ligament, {}),
     "Design.model": lambda: (drawn().model, {}),
@@ -444,7 +452,7 @@ CALLS: dict[str, Callable[[], Call]] = {
     "Design.walk": lambda: (drawn().walk, {"targets": [1.0]}),
     "Inverse": lambda: (kg.Inverse, {
         "design": drawn(), "targets": [(("energy",), 1.0, 1.0)], "constraints": [("ligament", 0.1, None)],
-        "method": "slsqp", "evaluations": 5, "tolerance": 0.1, "corrections": 0, "finer": 1.5,
+        "method": "slsqp", "evaluations": 5, "enough": 1e-4, "tolerance": 0.1, "corrections": 0, "finer": 1.5,
         "path": folder() / "search.json",
     }),
     "Inverse.run": lambda: (

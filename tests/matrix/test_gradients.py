@@ -11,6 +11,7 @@ from structures import BUILT, RUNGS, STRUCTURES, results
 import kirigami as kg
 from kirigami.primitives.sensitivity import member_work, rebuilt
 from kirigami.results.gradients import fields
+from kirigami.results.gradients.by_rest import by_rest_state
 from kirigami.results.gradients.critical import CriticalPoint
 from kirigami.results.gradients.equilibrium import Equilibrium, prepared
 from kirigami.results.gradients.fields import _kernels, _moduli, _with_sheet, shifted
@@ -98,8 +99,7 @@ def test_by_places_of_nodes(name):
         assert_second_order(left, rounding_of(functional))
 
 
-@pytest.mark.parametrize("name", ["shell", "folded shell"])
-def test_rounding_is_not_taken_for_what_is_felt_far_away(name, monkeypatch):
+def test_rounding_is_not_taken_for_what_is_felt_far_away(monkeypatch, name="folded shell"):
     """A load does not feel where nodes are: all that its work changes by is rounding, near and far."""
     asked = [("force", "driven_0", "y"), ("energy",), ("open_area",), ("position", "driven_0", "x")]
     exact = results(name).gradient(asked, "positions")
@@ -116,15 +116,28 @@ def test_rounding_is_not_taken_for_what_is_felt_far_away(name, monkeypatch):
 
 def test_what_is_felt_far_away_is_refused(monkeypatch):
     """Loads that every node has a little part in, wherever it is."""
-    start = results("shell").rest[:, :2].sum()
+    res = results("folded shell")
+    start = res.rest[:, :2].sum()
 
     def far(kernel, x, lam, v, energy=0.0):
         work = member_work(kernel, x, lam, v, energy)
-        return work + 1e-4 * (kernel.rest[: len(results("shell").rest), :2].sum() - start) * (kernel.conn.shape[1] == 1)
+        return work + 1e-4 * (kernel.rest[: len(res.rest), :2].sum() - start) * (kernel.conn.shape[1] == 1)
 
     monkeypatch.setattr(fields, "member_work", far)
     with pytest.raises(kg.AnalysisError, match="felt far"):
-        results("shell").gradient(("energy",), "positions")
+        res.gradient(("energy",), "positions")
+
+
+@pytest.mark.parametrize("name", ["shell", "plate", "facet in the plane", "tower", "hinged strip", "chain of springs"])
+def test_one_pass_by_places_of_nodes_is_that_of_differences(name, monkeypatch):
+    """Every kernel that tells how it follows its nodes, against the structure lowered once more."""
+    asked = functionals(name)
+    adjoints = [reached(name).adjoint(reached(name).told(tell_of(item, results(name)))) for item in asked]
+    one_pass = by_rest_state(adjoints)
+    assert one_pass is not None
+    monkeypatch.setattr(fields, "by_rest_state", lambda adjoints: None)
+    for closed, rate in zip(one_pass, results(name).gradient(asked, "positions")):
+        assert closed == pytest.approx(rate, rel=1e-6, abs=1e-6 * np.abs(rate).max())
 
 
 @pytest.mark.parametrize("wrt", ["thickness", "E"])

@@ -13,6 +13,7 @@ v . g_m + dJ/dU U_m.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -113,14 +114,18 @@ class Equilibrium:
         self.matrix = system.matrix(system.stiffness_blocks(self.u, self.lam))
 
     def solve(self, right: Array) -> Array:
-        """Unknowns (free,) of the exact tangent: the factor may be that of a state close by, which is refined."""
-        size = float(np.linalg.norm(right))
-        if size == 0:
+        """Unknowns (free,) or (free, k) of the exact tangent: the factor may be that of a state close by, which is
+        refined."""
+        if right.ndim == 1:
+            return np.asarray(self.solve(right[:, None])[:, 0])
+        size = np.linalg.norm(right, axis=0)
+        if not size.any():
             return np.zeros_like(right)
+        size = np.where(size > 0, size, 1.0)
         answer, left = self.factor.solve(right), np.inf
         for _ in range(8):
             rest = right - self.matrix @ answer
-            now = float(np.linalg.norm(rest)) / size
+            now = float((np.linalg.norm(rest, axis=0) / size).max())
             if now <= EXACT or now > 0.5 * left:
                 break
             left = now
@@ -138,41 +143,53 @@ class Equilibrium:
         """Rows (rows, dim) that kernels are evaluated at."""
         return self.system.configuration(self.u)
 
-    def told(self, tell: Tell) -> Told:
-        """A functional here, with its derivatives."""
+    @cached_property
+    def _borne(self) -> tuple[Array, Array, float]:
+        """Forces (rows, dim) of everything and of what stores energy, and that energy."""
         system = self.system
-        forces, energy = np.zeros_like(system.rest), 0.0
+        forces, stored, energy = np.zeros_like(system.rest), np.zeros_like(system.rest), 0.0
         for kernel in system.kernels:
             found = kernel.evaluate(self.configuration, self.lam, 1)
             assert found.gradient is not None
-            scatter_add(forces, kernel.conn, found.gradient)
+            scatter_add(stored if kernel.stores_energy else forces, kernel.conn, found.gradient)
             energy += float(found.energy.sum()) if kernel.stores_energy else 0.0
+        return forces + stored, stored, energy
+
+    def told(self, tell: Tell) -> Told:
+        """A functional here, with its derivatives."""
+        system = self.system
+        forces, _, energy = self._borne
         rows = np.zeros((len(system.rest), 3))
         rows[: system.points] = system.model.positions()
         rows[:, : system.dim] = self.configuration
         told = tell(rows, system.parted(forces)[0], energy)
-        finite = all(np.isfinite(part).all() for part in told)
+        finite = all(np.isfinite(part).all() for part in told[:4])
         if not finite:
             raise AnalysisError(f"{self.owner}: the functional returned numbers that are not finite")
         return told
 
     def adjoint(self, told: Told) -> Adjoint:
         """The field v of a functional."""
+        return self.adjoints([told])[0]
+
+    def adjoints(self, told: Sequence[Told]) -> list[Adjoint]:
+        """The fields v of functionals, out of one solution for all of them."""
         system = self.system
-        w = np.zeros_like(system.rest)
-        w[: system.points] = told.by_force[:, : system.dim]
-        right = told.by_position[:, : system.dim].copy()
-        if w.any():
-            blocks = system.stiffness_blocks(self.u, self.lam, carried=False)
-            right += system.multiply(blocks, w)
-        if told.by_energy:
-            for kernel in system.kernels:
-                if kernel.stores_energy:
-                    gradient = kernel.evaluate(self.configuration, self.lam, 1).gradient
-                    assert gradient is not None
-                    scatter_add(right, kernel.conn, told.by_energy * gradient)
-        multiplier = self.solve(system.reduce(system.carried(right, self.u)))
-        return Adjoint(self, told, w, multiplier)
+        blocks: Array | None = None
+        by_forces, rights = [], []
+        for item in told:
+            w = np.zeros_like(system.rest)
+            w[: system.points] = item.by_force[:, : system.dim]
+            right = item.by_position[:, : system.dim].copy()
+            if w.any():
+                blocks = system.stiffness_blocks(self.u, self.lam, carried=False) if blocks is None else blocks
+                right += system.multiply(blocks, w)
+            if item.by_energy:
+                right += item.by_energy * self._borne[1]
+            by_forces.append(w)
+            rights.append(system.reduce(system.carried(right, self.u)))
+        multipliers = self.solve(np.stack(rights, axis=1))
+        return [Adjoint(self, *parts) for parts in zip(told, by_forces, multipliers.T)]
 
 
 class Adjoint:
@@ -181,6 +198,7 @@ class Adjoint:
     def __init__(self, at: Equilibrium, told: Told, w: Array, multiplier: Array) -> None:
         self.at, self.told, self.w, self.multiplier = at, told, w, multiplier
         self.v = self.field(at.system, at.u)
+        self._by_arrays: dict[int, dict[str, Array]] = {}
 
     def field(self, system: System, u: Array) -> Array:
         """v (rows, dim): what forces of members count for, in a system as it is at `u`."""
@@ -188,8 +206,11 @@ class Adjoint:
 
     def of_member_arrays(self, kernel: Kernel) -> dict[str, Array]:
         """Derivatives by the arrays of a kernel."""
-        energy = self.told.by_energy if kernel.stores_energy else 0.0
-        return kernel.sensitivity(self.at.configuration, self.at.lam, self.v, energy)
+        if id(kernel) not in self._by_arrays:
+            energy = self.told.by_energy if kernel.stores_energy else 0.0
+            found = kernel.sensitivity(self.at.configuration, self.at.lam, self.v, energy)
+            self._by_arrays[id(kernel)] = found
+        return self._by_arrays[id(kernel)]
 
 
 def weighted(weights: Sequence[float], rates: Sequence[Any]) -> Any:

@@ -18,12 +18,14 @@ from numpy.typing import NDArray
 from kirigami.elements.shell_kernel import ShellFacetKernel
 from kirigami.errors import AnalysisError, KirigamiWarning, ModelError
 from kirigami.model.from_mesh import sheet_parts
+from kirigami.model.loads import NodalLoadKernel
 from kirigami.model.model import Model
 from kirigami.model.natural_state import in_facets
 from kirigami.primitives.kernel import Array, Kernel
 from kirigami.primitives.material import Laminate, Material
 from kirigami.primitives.parts import Numbering
 from kirigami.primitives.sensitivity import member_work
+from kirigami.results.gradients.by_rest import by_rest_state
 from kirigami.results.gradients.equilibrium import Adjoint
 from kirigami.system.system import System
 
@@ -53,7 +55,7 @@ def of_sheet(adjoints: Sequence[Adjoint], name: str, owner: str) -> list[Array]:
                 f"{owner}: only stiffness='shell' has a {name} of its own; on this rung take the rest lengths of bars "
                 "and the rest angles of hinges, as 'bars.rest_length'"
             )
-        return [_of_natural(adjoint, shells[0], name) for adjoint in adjoints]
+        return _of_natural(adjoints, shells[0], name)
     count = len(mesh.triangles)
     values = sheet.thickness_of_facets(count) if name == "thickness" else _moduli(sheet.material, count, owner)
     if any(isinstance(material, Laminate) for material in sheet.materials):
@@ -61,11 +63,14 @@ def of_sheet(adjoints: Sequence[Adjoint], name: str, owner: str) -> list[Array]:
     if any(material.hyperelastic for material in sheet.materials):
         raise ModelError(f"{owner}: {name} of a sheet of rubber is not known; take stiffness and forces by differences")
     closed = [np.zeros(count) for _ in adjoints]
-    if sheet.rung == "shell" and len(shells) == 1 and len(shells[0].conn) == count:
+    closed_form = sheet.rung == "shell" and len(shells) == 1 and len(shells[0].conn) == count
+    if closed_form:
         for adjoint, rate in zip(adjoints, closed):
             work = adjoint.of_member_arrays(shells[0])["section"] * shells[0].section
             membrane, bending = work[:, :3, :3].sum(axis=(1, 2)), work[:, 3:, 3:].sum(axis=(1, 2))
             rate += (membrane + (3 if name == "thickness" else 1) * bending) / values
+    if closed_form and all(isinstance(kernel, (ShellFacetKernel, NodalLoadKernel)) for kernel in system.kernels):
+        return closed  # a force on a node feels nothing of the sheet
     left_out = ShellFacetKernel if sheet.rung == "shell" else None
 
     def lowered(moved: Array) -> list[Kernel]:
@@ -79,15 +84,16 @@ def of_sheet(adjoints: Sequence[Adjoint], name: str, owner: str) -> list[Array]:
     return closed
 
 
-def _of_natural(adjoint: Adjoint, shell: ShellFacetKernel, name: str) -> Array:
+def _of_natural(adjoints: Sequence[Adjoint], shell: ShellFacetKernel, name: str) -> list[Array]:
     """By a strain or curvature (facets, 3) in the axes of the drawing, there in full."""
-    local = adjoint.of_member_arrays(shell)["natural"]
-    corners, every = shell.rest[shell.conn[:, :3]], np.arange(len(local))
-    found = np.empty((len(local), 3))
+    corners, every = shell.rest[shell.conn[:, :3]], np.arange(len(shell.conn))
+    found = [np.empty((len(shell.conn), 3)) for _ in adjoints]
     for axis in range(3):
-        unit = np.zeros((len(local), 6))
+        unit = np.zeros((len(shell.conn), 6))
         unit[:, axis if name == "strain" else 3 + axis] = 1.0
-        found[:, axis] = (shell.grown(every, in_facets(corners, unit)) * local).sum(axis=1)
+        local = shell.grown(every, in_facets(corners, unit))
+        for rates, adjoint in zip(found, adjoints):
+            rates[:, axis] = (local * adjoint.of_member_arrays(shell)["natural"]).sum(axis=1)
     return found
 
 
@@ -296,6 +302,9 @@ def of_positions(adjoints: Sequence[Adjoint], owner: str) -> list[Array]:
 
     Supports go along, with what they hold behind the nodes; prescribed displacements stay.
     """
+    told = by_rest_state(adjoints)
+    if told is not None:
+        return list(told)
     at = adjoints[0].at
     system = at.system
     links = neighbours(system)

@@ -9,7 +9,7 @@ import numpy as np
 
 from kirigami.errors import AnalysisError, ModelError
 from kirigami.post import shape
-from kirigami.primitives.checks import require_array, require_axis, require_finite, shown
+from kirigami.primitives.checks import require_array, require_axis, require_finite, require_whole_array, shown
 from kirigami.primitives.kernel import Array
 from kirigami.primitives.node import AXES
 from kirigami.primitives.rotation import best_rotation, turned
@@ -19,7 +19,8 @@ from kirigami.results.supports import carried_by
 
 STEP = 1e-6  # of the size of the structure or of its forces, in differences of a user's function
 AT_ONCE = 3_000  # coordinates of shapes measured at a time
-KNOWN = "force, position, energy, open_area, height, width, poisson_ratio, shape, stiffness, critical"
+OUTSIDE = 1e-6  # of the size of the sheet: how far off it a material point may lie
+KNOWN = "force, position, point, energy, open_area, height, width, poisson_ratio, shape, stiffness, critical"
 
 
 class Told(NamedTuple):
@@ -29,6 +30,7 @@ class Told(NamedTuple):
     by_position: Array
     by_force: Array
     by_energy: float = 0.0
+    by_drawing: Callable[[Any], float] | None = None  # the number, had it been measured against another drawn mesh
 
 
 # Of the rows (rows, 3), which are the positions of nodes and what elements keep behind them, of forces (n, 3) of the
@@ -42,8 +44,8 @@ def tell_of(functional: Any, results: Results, owner: str = "gradient") -> Tell:
         return _own(functional, owner)
     name, *given = _parts(functional, owner)
     builders: dict[str, Callable[..., Tell]] = {
-        "force": _force, "position": _position, "energy": _energy, "open_area": _open_area, "height": _height,
-        "width": _width, "poisson_ratio": _poisson_ratio, "shape": _shape,
+        "force": _force, "position": _position, "point": _point, "energy": _energy, "open_area": _open_area,
+        "height": _height, "width": _width, "poisson_ratio": _poisson_ratio, "shape": _shape,
     }  # fmt: skip
     if name not in builders:
         raise ModelError(f"{owner}: a functional is a function or begins with one of {KNOWN}, got {shown(functional)}")
@@ -89,14 +91,53 @@ def _position(results: Results, nodes: Any, axis: str) -> Tell:
     return lambda x, f, energy: Told(float((weight * x[: len(weight)]).sum()), _of_rows(weight, x), _zero(f))
 
 
+def _point(results: Results, at: Any, axis: str) -> Tell:
+    """Where the material point goes that was drawn at (x, y)."""
+    if results.mesh is None:
+        raise AnalysisError("gradient: a point of the drawing needs a model made by Model.from_mesh", results=results)
+    place = require_array(at, (2,), name="the point", owner="gradient")
+    letter = AXES.index(require_axis(axis, "gradient"))
+    corners, share = _within(results.mesh, place)
+
+    def again(x: Array, mesh: Any) -> float:
+        corners, share = _within(mesh, place)
+        return float(share @ x[corners, letter])
+
+    def tell(x: Array, f: Array, energy: float) -> Told:
+        rate = _zero(x)
+        rate[corners, letter] = share
+        return Told(float(share @ x[corners, letter]), rate, _zero(f), by_drawing=lambda mesh: again(x, mesh))
+
+    return tell
+
+
+def _within(mesh: Any, place: Array) -> tuple[Any, Array]:
+    """Corners (3,) of the facet of a drawn mesh that a place lies in, and its barycentric coordinates there."""
+    corner = mesh.nodes[mesh.triangles][..., :2]
+    along, across, to = corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0], place - corner[:, 0]
+    area = along[:, 0] * across[:, 1] - along[:, 1] * across[:, 0]
+    second = (to[:, 0] * across[:, 1] - to[:, 1] * across[:, 0]) / area
+    third = (along[:, 0] * to[:, 1] - along[:, 1] * to[:, 0]) / area
+    share = np.stack([1 - second - third, second, third], axis=1)
+    facet = int(np.argmax(share.min(axis=1)))
+    if share[facet].min() < -OUTSIDE * mesh.size / np.sqrt(abs(area[facet])):
+        raise ModelError(f"gradient: the point ({place[0]:.6g}, {place[1]:.6g}) is not on the sheet as it is drawn")
+    return mesh.triangles[facet], share[facet]
+
+
 def _energy(results: Results) -> Tell:
     return lambda x, f, energy: Told(energy, _zero(x), _zero(f), 1.0)
 
 
-def _open_area(results: Results) -> Tell:
+def _open_area(results: Results, which: Any = None) -> Tell:
     if results.mesh is None:
         raise AnalysisError("gradient: open_area needs a model made by Model.from_mesh", results=results)
     cuts = cut_edges(results.mesh, results.kernels, len(results.rest))
+    if which is not None:
+        chosen = require_whole_array(which, (None,), name="the cuts", owner="gradient").tolist()
+        if not chosen or not all(0 <= number < len(cuts) for number in chosen):
+            raise ModelError(f"gradient: cuts are numbered from 0 to {len(cuts) - 1}, got {shown(which)}")
+        cuts = [cuts[number] for number in chosen]
 
     def tell(x: Array, f: Array, energy: float) -> Told:
         rate, total = _zero(x), 0.0
@@ -147,7 +188,10 @@ def _measured(results: Results, name: str, measure: Callable[[Array, Any], Array
             values = measure(both, mesh)
             for row, (node, axis) in enumerate(part):
                 rate[node, axis] = (values[2 * row] - values[2 * row + 1]) / (2 * step)
-        return Told(float(measure(points[None], mesh)[0]), rate, _zero(f))
+        return Told(
+            float(measure(points[None], mesh)[0]), rate, _zero(f),
+            by_drawing=lambda other: float(measure(points[None], other)[0]),
+        )  # fmt: skip
 
     return tell
 

@@ -33,8 +33,10 @@ def gradient(results: Results, functional: Any, wrt: Any, step: int = -1) -> Any
         What is asked for; of a list all share the factorisation.
 
         * ``("force", nodes, axis)``: force of a support on the structure, as :meth:`Results.reaction`.
-        * ``("position", nodes, axis)``: mean place of nodes [length]. ``("height",)``, ``("width", axis)``,
-          ``("poisson_ratio", axis)``, ``("open_area",)``: as the methods of these names; the area is that of all cuts.
+        * ``("position", nodes, axis)``: mean place of nodes [length]; ``("point", (x, y), axis)``: place of the
+          point of the sheet that is drawn there. ``("height",)``, ``("width", axis)``, ``("poisson_ratio", axis)``,
+          ``("open_area",)``: as the methods of these names; the area is that of all cuts, or of those numbered in
+          ``("open_area", cuts)``.
         * ``("shape", target)``: mean squared distance [length^2] of all nodes from a target shape (n, 3), laid over
           them as well as a rigid motion can.
         * ``("energy",)``: the energy stored.
@@ -105,7 +107,7 @@ def gradient(results: Results, functional: Any, wrt: Any, step: int = -1) -> Any
             plain.append((position, tell_of(item, results)))
     if plain:
         at = equilibrium(results, results[number])
-        adjoints = [at.adjoint(at.told(tell)) for _, tell in plain]
+        adjoints = at.adjoints([at.told(tell) for _, tell in plain])
         for (position, _), answer in zip(plain, _derivatives(adjoints, wrt)):
             answers[position] = answer
     return answers if isinstance(functional, list) else answers[0]
@@ -156,9 +158,9 @@ def stiffness(
         raise ModelError(f"{owner}: these nodes do not move with the load factor, so they have no stiffness")
     share = 1.0 / (2 * STEP * (abs(at.lam) or 1.0) * place)
     parts = [
-        (sign * weight, side.adjoint(side.told(tell)))
+        (sign * weight, adjoint)
         for side, sign in zip(sides, (1.0, -1.0))
-        for tell, weight in zip(tells, (share, -share * force / place))
+        for weight, adjoint in zip((share, -share * force / place), side.adjoints([side.told(tell) for tell in tells]))
     ] if slopes else []  # fmt: skip
     return force / place, parts
 
