@@ -25,6 +25,7 @@ from kirigami.primitives.checks import (
     require_callable,
     require_choice,
     require_finite,
+    require_instance,
     require_mapping,
     require_positive,
     require_whole,
@@ -322,7 +323,14 @@ class Design:
         return model
 
     def supports(self, model: Model) -> None:
-        """Add supports and loads to a model of the sheet."""
+        """Add supports and loads to a model of the sheet.
+
+        Parameters
+        ----------
+        model : Model
+            Made from a mesh of the sheet.
+        """
+        require_instance(model, Model, "model", "Design.supports")
         if self.case is not None:
             set_up(self.case, self.sheet()).hold(model)
         else:

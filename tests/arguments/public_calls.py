@@ -449,6 +449,7 @@ CALLS: dict[str, Callable[[], Call]] = {
     "Design.remeshed": lambda: (drawn().remeshed, {"max_edge": 0.9}),
     "Design.sheet": lambda: (drawn().sheet, {}),
     "Design.span": lambda: (drawn().span, {"name": "size"}),
+    "Design.supports": lambda: (pulled_design().supports, {"model": pulled_design()._sheet_model()}),
     "Design.walk": lambda: (drawn().walk, {"targets": [1.0]}),
     "Inverse": lambda: (kg.Inverse, {
         "design": drawn(), "targets": [(("energy",), 1.0, 1.0)], "constraints": [("ligament", 0.1, None)],
