@@ -36,6 +36,31 @@ def test_a_factor_is_the_same_for_any_number_of_threads(sheet, monkeypatch):
         np.testing.assert_array_equal(solution, found[0][1])
 
 
+def test_compiled_solutions_are_the_same_for_any_number_of_threads(sheet, monkeypatch):
+    """Bit by bit, and those of plain loops up to rounding; an indefinite factor does without them."""
+    pytest.importorskip("numba")
+    system, u = sheet
+    rest, squeezed = (system.matrix(system.stiffness_blocks(share * u, share)) for share in (0.0, 1.0))
+    right = np.random.default_rng(0).normal(size=system.free)
+    monkeypatch.setattr(multifrontal, "COMPILED", 1)
+    for least in (1, 10**9):  # in two halves and a rest, and as a whole
+        monkeypatch.setattr(multifrontal, "LARGE", least)
+        found = []
+        for threads in THREADS:
+            monkeypatch.setattr(multifrontal, "threads_for", lambda numbers, threads=threads: threads)
+            factor = factorize(rest)
+            assert factor._solve_plan is not None and (len(factor._solve_plan._halves) == 2) == (least == 1)
+            found.append(factor.solve(right))
+        for solution in found[1:]:
+            np.testing.assert_array_equal(solution, found[0])
+        monkeypatch.setenv("KIRIGAMI_COMPILED", "0")
+        plain = factorize(rest)
+        monkeypatch.delenv("KIRIGAMI_COMPILED")
+        assert plain._solve_plan is None
+        np.testing.assert_allclose(found[0], plain.solve(right), rtol=0, atol=1e-9 * np.abs(found[0]).max())
+    assert factorize(squeezed)._solve_plan is None
+
+
 def test_forces_and_tangent_are_the_same_for_any_number_of_threads(sheet, monkeypatch):
     pytest.importorskip("numba")
     from kirigami.elements import compiled_shell

@@ -17,6 +17,7 @@ Fortran order that LAPACK wants. The other triangle holds nothing of use.
 from __future__ import annotations
 
 from concurrent.futures import ThreadPoolExecutor
+from functools import cached_property
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -31,10 +32,12 @@ from kirigami.linalg.checked import (
     SingularMatrixError,
 )
 from kirigami.linalg.dissection import Fronts, Index, dissect
+from kirigami.linalg.solve_plan import COMPILED, SolvePlan
 from kirigami.linalg.subtrees import shares
 from kirigami.linalg.superlu import SuperLUFactor
-from kirigami.linalg.threads import one_thread, threads_for
+from kirigami.linalg.threads import LARGE, one_thread, threads_for
 from kirigami.primitives.kernel import Array
+from kirigami.primitives.processors import compiles
 
 AMPLIFIED = 1e4  # displacements of a front per displacement of its border that are no lever any more
 
@@ -89,6 +92,13 @@ class FrontPlan:
             p, q = self.pivots.astype(float), self.border.astype(float)
             self._shares[threads] = shares(self.fronts.parent, p**3 / 3 + p**2 * q + p * q**2, threads)
         return self._shares[threads]
+
+    @cached_property
+    def solve_plan(self) -> SolvePlan | None:
+        """How to solve by compiled loops where all fronts are positive, if that pays."""
+        if self.size < COMPILED or not compiles():
+            return None
+        return SolvePlan(self.fronts, self.offsets, *self.shares(2 if self.size >= LARGE else 1))
 
     def _entries(self, matrix: Any) -> tuple[Index, Index]:
         """Which entries of the matrix are taken (the lower triangle in the new order), and their places."""
@@ -246,6 +256,9 @@ class MultifrontalFactor(CheckedFactor):
                     list(pool.map(work.eliminate, side_by_side))
             work.eliminate(rest)
         self._fronts = [work.made[f] for f in range(len(work.made))]
+        positive = not any(front.exchanges is not None for front in self._fronts)
+        self._solve_plan = plan.solve_plan if positive else None
+        self._store = store
         self._negative = sum(work.negative.values())
         self._doubtful = any(work.doubtful)  # whether some front amplifies so much that its signs want a second look
 
@@ -263,6 +276,8 @@ class MultifrontalFactor(CheckedFactor):
     def _apply(self, rhs: Array) -> Array:
         from scipy.linalg.lapack import dsytrs
 
+        if self._solve_plan is not None and rhs.ndim == 1:
+            return self._solve_plan.solve(self._store, rhs, threads_for(len(self._store)))
         triangular = _triangular if rhs.ndim == 1 else _triangular_of_some
         x = rhs[self._order]
         for front in self._fronts:

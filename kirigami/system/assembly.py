@@ -6,14 +6,13 @@ matrix then picks its entries, and their mirror images, from there.
 
 from __future__ import annotations
 
-import importlib.util
-import os
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from kirigami.primitives.kernel import Array, CompiledKernel, Kernel
+from kirigami.primitives.processors import compiles
 
 if TYPE_CHECKING:
     from kirigami.system.grips import Grips
@@ -129,7 +128,7 @@ def twins(kernels: list[Kernel]) -> list[CompiledKernel | None]:
     Numba needs seconds to compile loops once per machine and half a second to load, so small systems do without, and
     all of them where the environment variable KIRIGAMI_COMPILED is 0.
     """
-    wanted = os.environ.get("KIRIGAMI_COMPILED") != "0" and importlib.util.find_spec("numba") is not None
+    wanted = compiles()
     pays = [wanted and len(kernel.conn) >= min(MEMBERS, kernel.compile_from) for kernel in kernels]
     return [kernel.compiled() if worth else None for kernel, worth in zip(kernels, pays)]
 

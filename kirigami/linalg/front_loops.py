@@ -1,0 +1,71 @@
+"""Solutions with a factor of positive fronts, for Numba to compile; only :mod:`kirigami.linalg.solve_plan` imports
+this file.
+
+A solution reads the whole factor twice and does little with it, so that all that counts is to read it once from front
+to end and back, side by side in memory: column by column of L, which is how the blocks of a front lie there.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+try:
+    from numba import njit
+
+    # sums may be taken in any order, so that the processor's vector units work on them; the order is always the same
+    compiled = njit(cache=True, error_model="numpy", nogil=True, fastmath={"reassoc", "contract"})
+except ImportError:  # plain Python then, which nobody calls: too slow
+
+    def compiled(function):  # type: ignore[no-untyped-def]
+        return function
+
+
+@compiled
+def forward(fronts, starts, first, border, offsets, store, x):  # type: ignore[no-untyped-def]
+    """Solve L y = x in place for some fronts, children before parents; front f borders on ``border[first[f] :]``."""
+    longest = 0
+    for f in fronts:
+        longest = max(longest, first[f + 1] - first[f])
+    update = np.empty(longest)
+    for f in fronts:
+        start, p, q = starts[f], starts[f + 1] - starts[f], first[f + 1] - first[f]
+        inner, outer = offsets[2 * f], offsets[2 * f + 1]
+        own, rest = x[start : start + p], update[:q]
+        rest[:] = 0.0
+        for c in range(p):
+            column = store[inner + c * p : inner + (c + 1) * p]
+            value = own[c] / column[c]
+            own[c] = value
+            for r in range(c + 1, p):
+                own[r] -= column[r] * value
+            below = store[outer + c * q : outer + (c + 1) * q]
+            for j in range(q):
+                rest[j] += below[j] * value
+        rows = border[first[f] : first[f + 1]]
+        for j in range(q):
+            x[rows[j]] -= rest[j]
+
+
+@compiled
+def backward(fronts, starts, first, border, offsets, store, x):  # type: ignore[no-untyped-def]
+    """Solve L' y = x in place for some fronts, given children before parents and taken the other way round."""
+    longest = 0
+    for f in fronts:
+        longest = max(longest, first[f + 1] - first[f])
+    above = np.empty(longest)
+    for f in fronts[::-1]:
+        start, p, q = starts[f], starts[f + 1] - starts[f], first[f + 1] - first[f]
+        inner, outer = offsets[2 * f], offsets[2 * f + 1]
+        own, known = x[start : start + p], above[:q]
+        rows = border[first[f] : first[f + 1]]
+        for j in range(q):
+            known[j] = x[rows[j]]
+        for c in range(p - 1, -1, -1):
+            column = store[inner + c * p : inner + (c + 1) * p]
+            below = store[outer + c * q : outer + (c + 1) * q]
+            total = 0.0
+            for j in range(q):
+                total += below[j] * known[j]
+            for r in range(c + 1, p):
+                total += column[r] * own[r]
+            own[c] = (own[c] - total) / column[c]
