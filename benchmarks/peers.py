@@ -10,7 +10,7 @@ All codes get the same triangles and corner nodes; quadratic ones (shell, S6, P2
 the support's force. Seconds are CPU seconds and memory the largest of the whole process, from its start to the
 number; writing the input is left out. Runs of all codes are made by turns, and the table has medians. A run that ends
 without its number, or takes longer than the limit, has failed, and is not repeated. Tolerances: the residual over the
-forces below 1e-6 here and in CalculiX (*CONTROLS), in OpenSees the displacement correction of the script as it is written.
+forces below 1e-6 here and in CalculiX (*CONTROLS), in OpenSees the displacement correction that its script demands.
 
     python -m venv /tmp/peers && /tmp/peers/bin/pip install openseespy scikit-fem
     python benchmarks/peers.py --python /tmp/peers/bin/python --repeats 3 --table peers.csv
