@@ -35,11 +35,16 @@ class _Deferred:
         self.target = target
         self.static = static
 
-    def __get__(self, instance: Any, owner: type) -> Any:
+    @property
+    def __wrapped__(self) -> Callable[..., Any]:
+        """The function itself, so that its signature is seen where it stands in a module instead of a class."""
         module, name = self.target.split(":")
         function: Callable[..., Any] = getattr(importlib.import_module(module), name)
+        return function
+
+    def __get__(self, instance: Any, owner: type) -> Any:
+        function = self.__wrapped__
         return function if self.static or instance is None else function.__get__(instance, owner)
 
     def __call__(self, *args: Any, **options: Any) -> Any:
-        """The function itself, where it stands in a module instead of a class."""
-        return self.__get__(None, type(self))(*args, **options)
+        return self.__wrapped__(*args, **options)

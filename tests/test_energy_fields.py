@@ -13,7 +13,7 @@ import kirigami as kg
 from kirigami.plot.deformed import Field
 from kirigami.results.fields import energy_density, nodal_energy
 
-RUNGS = ("paper", "plate", "facet", "split", "shell")
+RUNGS = ("paper", "plate", "facet", "shell")
 THICK = 0.05
 
 

@@ -85,7 +85,7 @@ def test_smooth_bending_is_of_first_order() -> None:
     found = []
     for max_edge in (0.02, 0.01):
         mesh = PLAIN.mesh(max_edge)
-        model = kg.Model.from_mesh(mesh, stiffness="split")
+        model = kg.Model.from_mesh(mesh, stiffness="shell")
         a, k = 1e-6, np.pi / 0.1
         x, y, _ = mesh.nodes.T
         height = a * np.sin(k * x) * np.sin(k * y)

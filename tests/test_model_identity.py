@@ -15,7 +15,7 @@ import kirigami as kg
 from kirigami.effects.angle_limit import AngleLimit
 from kirigami.effects.contact import Contact, Plane
 
-RUNGS = ("plate", "facet", "split", "shell")
+RUNGS = ("plate", "facet", "shell")
 COPIES: dict[str, Callable[[kg.Model], kg.Model]] = {
     "copy": copy.copy,
     "deepcopy": copy.deepcopy,

@@ -47,7 +47,7 @@ def test_the_script_in_full_runs_unchanged(tmp_path):
     assert {p.name for p in tmp_path.iterdir()} == {"ribbon.png", "ribbon_force.png"}
 
 
-@pytest.mark.parametrize("rung", ["plate", "facet", "shell", "split"])
+@pytest.mark.parametrize("rung", ["plate", "facet", "shell"])
 def test_the_ribbon_on_every_rung(rung):
     """The sheet of the overview, with an imperfection from a mode of its own, opens on every rung alike."""
     slits = kg.cuts.parallel_slits(columns=1, rows=9, width=0.1, height=0.2, length=0.075, margin=0.02)

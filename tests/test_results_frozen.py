@@ -16,7 +16,7 @@ from matplotlib import pyplot
 import kirigami as kg
 from kirigami.results.contact import gaps, normal_forces, penetration
 
-RUNGS = ("plate", "facet", "split", "shell")
+RUNGS = ("plate", "facet", "shell")
 
 
 class Case:
@@ -234,7 +234,7 @@ def test_a_copy_of_results_is_a_copy() -> None:
     assert not res.events and res.stats["steps"] != -1
 
 
-HAS = {"paper": ("bar", "hinge"), "plate": ("bar", "hinge"), "facet": (), "split": (), "shell": ()}
+HAS = {"paper": ("bar", "hinge"), "plate": ("bar", "hinge"), "facet": (), "shell": ()}
 
 
 @pytest.mark.parametrize("rung", list(HAS))

@@ -17,7 +17,7 @@ E, NU, T = 2e9, 0.34, 1e-3
 MATERIAL = kg.Material(E=E, nu=NU)
 MESH = kg.Sheet(shapely.box(0, 0, 0.2, 0.1), thickness=T, material=MATERIAL).mesh(0.02)
 FACTOR = E / (1 - NU**2)
-PLATES = ("facet", "split", "shell")  # rungs whose elements are made of plates
+PLATES = ("facet", "shell")  # rungs whose elements are made of plates
 
 
 def at(rung: str, surface: NDArray[np.float64], normal: NDArray[np.float64] | None = None, dim: int = 3) -> kg.Results:
@@ -153,7 +153,7 @@ def test_energy_of_the_stress_is_that_of_the_run(rung: str, linear: bool) -> Non
     assert (stress.membrane_energy >= 0).all() and (stress.bending_energy >= 0).all()
     if "bars" in results.energy:
         np.testing.assert_allclose(stress.membrane_energy.sum(axis=1), results.energy["bars"], rtol=1e-9)
-    if rung in ("facet", "split"):  # the same forces by their own strain, which is uniform in a facet
+    if rung == "facet":  # the same forces by their own strain, which is uniform in a facet
         membrane = 0.5 * stress.area * (stress.force * stress.strain).sum(axis=(-2, -1))
         np.testing.assert_allclose(stress.membrane_energy, membrane, rtol=1e-9, atol=1e-12 * stored[-1])
 
@@ -203,7 +203,7 @@ def test_an_imperfection_is_free_of_stress() -> None:
 
 def test_a_linear_analysis_has_stress_to_first_order() -> None:
     """Deflections of many thicknesses do not stretch the sheet there; twice the load is twice the stress."""
-    for rung in ("plate", "split"):
+    for rung in ("plate", "shell"):
         found = []
         for pull in (1e-3, 2e-3):
             model = kg.Model.from_mesh(MESH, stiffness=rung)
@@ -217,7 +217,7 @@ def test_a_linear_analysis_has_stress_to_first_order() -> None:
 
 def test_energy_is_that_of_the_elements() -> None:
     """On curved facets in a nonlinear run: recovered stretching and bending add up to the stored energy."""
-    model = kg.Model.from_mesh(MESH, stiffness="split")
+    model = kg.Model.from_mesh(MESH, stiffness="shell")
     x, y, _ = MESH.nodes.T
     model.perturb(np.sin(np.pi * x / 0.2), amplitude=T)
     left, right = model.select(boundary="left"), model.select(boundary="right")
@@ -236,13 +236,13 @@ def test_in_a_plane_nothing_bends() -> None:
 
 
 def test_shape_measures_take_nodes_of_the_mesh_only() -> None:
-    results = at("split", *cylinder(1.0))
+    results = at("shell", *cylinder(1.0))
     np.testing.assert_allclose(results.curvature("mean"), 0.5, rtol=0.05)
     assert results.width("x")[0] == pytest.approx(0.1)
 
 
 def test_picture() -> None:
-    results = at("split", *cylinder(0.1))
+    results = at("shell", *cylinder(0.1))
     ax = results.plot_stress(fibre="bottom")
     bar = ax.figure.axes[-1]
     assert "largest principal stress, bottom" in bar.get_ylabel() + bar.get_xlabel()

@@ -26,8 +26,8 @@ import kirigami
 ROOT = Path(__file__).parent.parent
 FOLDER = ROOT / "tests" / "validation"
 ROWS, PAGE, PICTURES = ROOT / "docs" / "validation.csv", ROOT / "docs" / "validation.md", ROOT / "docs" / "images"
-RUNGS = ("shell", "facet", "plate", "bars")
-COLOURS = {"shell": "tab:blue", "facet": "tab:orange", "plate": "tab:green", "bars": "tab:blue"}
+RUNGS = ("shell", "facet", "plate", "paper", "bars")
+COLOURS = {"shell": "tab:blue", "facet": "tab:orange", "plate": "tab:green", "paper": "tab:red", "bars": "tab:blue"}
 FIELDS = ("source", "case", "rung", "error", "nodes", "seconds")
 
 

@@ -23,6 +23,7 @@ about 36 times softer in bending than the material; it is kept to reproduce the 
 
 from __future__ import annotations
 
+import warnings
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -46,7 +47,11 @@ Constant = float | Array  # of the whole sheet, or of each facet
 def rung_named(stiffness: str, owner: str) -> str:
     """The rung of a name, also of an earlier version's, or a ModelError with the names there are."""
     name: str = require_choice(stiffness, (*RUNGS, *ALIASES), "stiffness", owner)
-    return ALIASES.get(name, name)
+    if name not in ALIASES:
+        return name
+    successor = ALIASES[name]
+    warnings.warn(f"{owner}: {name!r} is an old name, use stiffness={successor!r}", DeprecationWarning, stacklevel=3)
+    return successor
 
 
 @dataclass(frozen=True)

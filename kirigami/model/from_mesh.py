@@ -14,7 +14,7 @@ from kirigami.elements.bend_hinge import BendHinge
 from kirigami.elements.crease import Crease, score_stiffness
 from kirigami.elements.loose_ends import warn_of_loose_ends
 from kirigami.elements.mesh_bias import MeshBias
-from kirigami.elements.stiffness import ALIASES, Calibration, SheetConstants, bar_stiffness, hinge_stiffness
+from kirigami.elements.stiffness import Calibration, SheetConstants, bar_stiffness, hinge_stiffness, rung_named
 from kirigami.errors import KirigamiWarning, ModelError
 from kirigami.geometry.fold_line import FoldEdges
 from kirigami.geometry.mesh import TriMesh
@@ -49,7 +49,7 @@ def sheet_parts(
     one = made_of if isinstance(made_of, SheetMaterial) else made_of[0]
     calibration = Calibration.named(stiffness, one)
     nodes = [Node(*position) for position in mesh.nodes.tolist()] if nodes is None else nodes
-    rung = ALIASES.get(stiffness, stiffness) if isinstance(stiffness, str) else "calibration"
+    rung = rung_named(stiffness, "Model.from_mesh") if isinstance(stiffness, str) else "calibration"
     if mesh.folds and dim == 3:
         folded, rim = np.concatenate([fold.edges for fold in mesh.folds]), mesh.edges[mesh.edge_facets[:, 1] < 0]
         warn_of_loose_ends("Model.from_mesh", folded, rim, mesh.nodes, 4)

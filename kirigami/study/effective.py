@@ -29,7 +29,7 @@ from kirigami.system.system import System
 if TYPE_CHECKING:
     from kirigami.geometry.mesh import TriMesh
 
-PLATES = ("facet", "split", "shell")  # rungs whose uniform strain is exact, at free edges as well
+PLATES = ("facet", "shell")  # rungs whose uniform strain is exact, at free edges as well
 FLAT = 1e-9  # largest height of a flat mesh over its size
 DIRECTIONS = 36
 

@@ -37,7 +37,7 @@ def test_union_jack() -> None:
 
 @pytest.mark.parametrize("diagonals", ["one", "alternating"])
 def test_curved_facets_have_no_bias(diagonals: str) -> None:
-    properties = report(*meshes.right_isosceles(8, 6, diagonals=diagonals), "split")
+    properties = report(*meshes.right_isosceles(8, 6, diagonals=diagonals), "shell")
     for mean, low, high in properties.ratios.values():
         assert (mean, low, high) == pytest.approx((1.0, 1.0, 1.0), abs=1e-8)
     assert properties.nu == pytest.approx(MATERIAL.nu, abs=1e-9) and not properties.off()
@@ -69,7 +69,7 @@ def test_a_biased_mesh_is_warned_about_and_a_good_one_not() -> None:
         kg.Model.from_mesh(biased, 0.01, MATERIAL)
     with warnings.catch_warnings():
         warnings.simplefilter("error")
-        kg.Model.from_mesh(biased, 0.01, MATERIAL, stiffness="split")
+        kg.Model.from_mesh(biased, 0.01, MATERIAL, stiffness="shell")
         kg.Model.from_mesh(kg.Sheet(shapely.box(0, 0, 2, 1)).mesh(0.08), 0.01, MATERIAL)
 
 
