@@ -36,7 +36,7 @@ class NaturalKernel(Kernel):
 
     def natural(self, lam: float) -> Array | None:
         """What members (n, ...) bear nothing at, at a load factor; None where it is zero."""
-        return None if self._natural is None else self._natural[0] + lam * self._natural[1]
+        return None if self._natural is None else self.begun * self._natural[0] + lam * self._natural[1]
 
     def beyond(self, felt: Array, lam: float) -> Array:
         """What is felt (n, ...) less what members bear nothing at."""

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kirigami.errors import ModelError
-from kirigami.model.loads import Load
+from kirigami.model.loads import Load, LoadKernel
 from kirigami.primitives.checks import require_boolean, require_finite
 from kirigami.primitives.kernel import Array, Contribution, Kernel
 from kirigami.primitives.node import Node, listed
@@ -108,23 +108,21 @@ class EdgeMoment(Load):
         return f"EdgeMoment({len(self.group)} nodes, moment={self.moment:g}{constant})"
 
 
-class EdgeMomentKernel(Kernel):
+class EdgeMomentKernel(LoadKernel):
     """Potential -m times the integral of the turn of the edges."""
 
     name = "edge moments"
     pairs = ()
-    stores_energy = False
 
     def __init__(self, rest: Array, conn: NDArray[np.int64], force: Array, constant: bool = False) -> None:
-        self.rest = rest
-        self.conn, self.applied, self.constant = conn, force, bool(constant)
-        self.scaled = not self.constant
+        super().__init__(constant)
+        self.rest, self.conn, self.applied = rest, conn, force
 
     def arrays(self) -> dict[str, Any]:
         return {"conn": self.conn, "force": self.applied, "constant": self.constant}
 
     def evaluate(self, x: Array, lam: float = 1.0, need: int = 2) -> Contribution:
-        factor = 1.0 if self.constant else lam
+        factor = self.factor(lam)
         stored = np.asarray(x)[self.conn[:, 0], :2]
         gradient = np.zeros((len(self.conn), 1, np.asarray(x).shape[1]))
         gradient[:, 0, :2] = -factor * self.applied[:, None]

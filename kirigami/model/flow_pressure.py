@@ -20,7 +20,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from kirigami.errors import ModelError
-from kirigami.model.loads import Load
+from kirigami.model.loads import Load, LoadKernel
 from kirigami.model.spread_loads import Surface, _facets
 from kirigami.primitives.checks import require_array, require_boolean, require_finite
 from kirigami.primitives.kernel import Array, Contribution, Kernel
@@ -110,17 +110,15 @@ class FlowPressure(Load):
         return f"FlowPressure({self.q:g}, ({', '.join(f'{c:.4g}' for c in self.direction)}))"
 
 
-class FlowPressureKernel(Kernel):
+class FlowPressureKernel(LoadKernel):
     """The force of a flow on facets; local nodes: corners."""
 
     name = "flow"
-    stores_energy = False
     conservative = False
 
     def __init__(self, conn: Index, q: float, direction: ArrayLike, constant: bool = False, rest: Any = None) -> None:
-        self.conn, self.q, self.constant = conn, float(q), bool(constant)
-        self.direction = np.asarray(direction, dtype=float)
-        self.scaled = not self.constant
+        super().__init__(constant)
+        self.conn, self.q, self.direction = conn, float(q), np.asarray(direction, dtype=float)
 
     def arrays(self) -> dict[str, Any]:
         return {"conn": self.conn, "q": self.q, "direction": self.direction, "constant": self.constant}
@@ -132,7 +130,7 @@ class FlowPressureKernel(Kernel):
         return np.asarray(self.q * (s * np.abs(s) / (a * a).sum(axis=1))[:, None] * a)
 
     def evaluate(self, x: Array, lam: float = 1.0, need: int = 2) -> Contribution:
-        factor = 1.0 if self.constant else lam
+        factor = self.factor(lam)
         share = np.repeat(-factor / 3 * self.force_on(x)[:, None], 3, axis=1)
         energy = np.zeros(len(self.conn))
         if need < 2:

@@ -87,16 +87,29 @@ class NodalLoad(Load):
         return f"NodalLoad({len(self.group)} nodes, force=({x:g}, {y:g}, {z:g}){constant})"
 
 
-class NodalLoadKernel(Kernel):
+class LoadKernel(Kernel):
+    """Base of the kernels of loads, which act with the load factor or, where `constant`, whatever it is."""
+
+    stores_energy = False
+
+    def __init__(self, constant: bool) -> None:
+        self.constant = bool(constant)
+        self.scaled = not self.constant
+
+    def factor(self, lam: float) -> float:
+        """Share of the load that is there."""
+        return self.begun if self.constant else lam
+
+
+class NodalLoadKernel(LoadKernel):
     """Potential -lam F.u of dead forces."""
 
     name = "loads"
     pairs = ()
-    stores_energy = False
 
     def __init__(self, rest: Array, conn: NDArray[np.int64], force: Array, constant: bool = False) -> None:
-        self.rest, self.conn, self.applied, self.constant = rest, conn, force, bool(constant)
-        self.scaled = not self.constant
+        super().__init__(constant)
+        self.rest, self.conn, self.applied = rest, conn, force
 
     def arrays(self) -> dict[str, Any]:
         return {"conn": self.conn, "force": self.applied, "constant": self.constant}
@@ -106,6 +119,6 @@ class NodalLoadKernel(Kernel):
         return np.zeros((len(fields), *self.rest.shape))
 
     def evaluate(self, x: Array, lam: float = 1.0, need: int = 2) -> Contribution:
-        factor = 1.0 if self.constant else lam
+        factor = self.factor(lam)
         u = displacement_of(x, self.rest)[self.conn[:, 0]]
         return Contribution(-factor * (self.applied * u).sum(axis=1), -factor * self.applied[:, None, :])

@@ -25,7 +25,7 @@ from kirigami.errors import ModelError
 from kirigami.geometry.topology import paired_half_edges
 from kirigami.model.constraints import Constraint
 from kirigami.model.grip import Grip
-from kirigami.model.loads import Load
+from kirigami.model.loads import Load, LoadKernel
 from kirigami.model.spread_loads import Surface, _facets
 from kirigami.primitives.checks import require_boolean, require_finite
 from kirigami.primitives.kernel import Array, Contribution, Kernel, displacement_of
@@ -186,14 +186,12 @@ def _area_tensor(k: int) -> Array:
     return np.asarray((turns - turns.transpose(0, 2, 1)) / 6)
 
 
-class _Follower(Kernel):
+class _Follower(LoadKernel):
     """What the two kernels of a pressure share."""
 
-    stores_energy = False
-
     def __init__(self, rest: Array, conn: Index, p: float, origin: Array, constant: bool = False) -> None:
-        self.rest, self.conn, self.p, self.origin, self.constant = rest, conn, float(p), origin, bool(constant)
-        self.scaled = not self.constant
+        super().__init__(constant)
+        self.rest, self.conn, self.p, self.origin = rest, conn, float(p), origin
         corners = 2 if conn.shape[1] in (2, 4) or isinstance(self, RimPressureKernel) else 3
         self._start = rest[conn].copy()
         self._start[:, :corners] -= origin
@@ -204,9 +202,6 @@ class _Follower(Kernel):
     def _places(self, x: Array) -> Array:
         """Rows (n, k, 3): corners from o, and bulges."""
         return np.asarray(self._start + displacement_of(x, self.rest)[self.conn])
-
-    def _factor(self, lam: float) -> float:
-        return self.p * (1.0 if self.constant else lam)
 
 
 class PressureKernel(_Follower):
@@ -228,7 +223,7 @@ class PressureKernel(_Follower):
         return np.asarray(3 * np.einsum("abc,nbci->nai", self._tensor, _products(places)))
 
     def evaluate(self, x: Array, lam: float = 1.0, need: int = 2) -> Contribution:
-        places, p = self._places(x), self._factor(lam)
+        places, p = self._places(x), self.p * self.factor(lam)
         slopes = self._slopes(places)
         energy = -p * np.einsum("nai,nai->n", places, slopes) / 3
         if need < 2:
@@ -258,7 +253,7 @@ class RimPressureKernel(_Follower):
         return {**super().arrays(), "free": self.free}
 
     def evaluate(self, x: Array, lam: float = 1.0, need: int = 2) -> Contribution:
-        places, p = self._places(x), self._factor(lam)
+        places, p = self._places(x), self.p * self.factor(lam)
         gradient = -p / 3 * np.einsum("abc,nbci->nai", self._tensor, _products(places))
         energy = np.zeros(len(places))
         if need < 2:

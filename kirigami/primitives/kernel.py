@@ -159,6 +159,9 @@ class Kernel:
         True where ``history`` changes what members bear, as sliding or yield do, and is no mere count of turns: then
         an end state tells no gradients.
 
+    begun : float
+        Share that is there of what acts whatever the load factor, less than 1 while a start from rest grows into it.
+
     Examples
     --------
     Weights that hang on two nodes:
@@ -188,6 +191,7 @@ class Kernel:
     approximates: bool = False
     path_dependent: bool = False
     compile_from: int = 5_000
+    begun: float = 1.0
 
     def __init_subclass__(cls) -> None:
         if cls.__dict__.get("pairs") == () and "stores_energy" not in cls.__dict__:

@@ -432,6 +432,12 @@ class System(Unknowns):
 
     # ---- history
 
+    def begin(self, share: float) -> None:
+        """Let this share be there of what acts whatever the load factor: constant loads, heat and supports."""
+        self.begun = share
+        for kernel in self.kernels:
+            kernel.begun = share
+
     def commit(self, u: Array, lam: float = 0.0) -> None:
         """Accept displacements `u` (n, dim or 3) as an equilibrium at a load factor: history-dependent kernels move
         on."""

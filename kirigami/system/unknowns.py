@@ -26,6 +26,7 @@ class Unknowns:
     """
 
     grips: Grips | None = None
+    begun: float = 1.0  # share of `held` that is there, less than 1 while a start from rest grows into it
 
     def __init__(self, numbering: Numbering, constraints: Sequence[Any], apart: Sequence[Any] = ()) -> None:
         self.dim = numbering.dim
@@ -139,7 +140,7 @@ class Unknowns:
 
     def known(self, lam: float) -> Array:
         """What constraints say of all displacements (dofs,) at a load factor."""
-        u: Array = lam * self.drive + self.held
+        u: Array = lam * self.drive + (self.held if self.begun == 1 else self.begun * self.held)
         for at, factor in zip(self._moved_apart, self.own):
             u[at] += (factor - lam) * self.drive[self.leader[at]]
         return self._add_arcs(u, [arc.beyond(self._factor_of(arc, lam)) for arc in self.arcs])

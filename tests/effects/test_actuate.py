@@ -235,6 +235,54 @@ def test_what_yields_takes_a_constant_strain_without_stress(rung: str) -> None:
     assert max(values.max() for values in told if values is not None) == 0
 
 
+@pytest.mark.filterwarnings("ignore:the mesh is biased")
+@pytest.mark.parametrize("rung", ["plate", "shell"])
+def test_constant_cold_beyond_yield_between_walls_is_a_pull_by_the_same_strain(rung: str) -> None:
+    """A start at rest with all of it at once used to find no equilibrium: it is grown in steps."""
+    limit, modulus, times = 1e-5 * E, 0.1 * E, 5.0
+    strain = times * limit / E
+    metal = kg.Material(E, NU, expansion=1e-5, yield_stress=limit, hardening=modulus)
+
+    def walls(pull: float, cold: float) -> kg.Results:
+        m = sheet(1.0, 0.6, 0.4, rung=rung, material=metal)
+        left, right = m.select(boundary="left"), m.select(boundary="right")
+        m.add(kg.Fix(left, "x"), kg.Fix(left[0], "y"), kg.Fix(m.nodes, "z"))
+        if cold:
+            m.add(kg.Fix(right, "x"), kg.Actuate(heat=-cold / 1e-5, constant=True))
+            return kg.LoadControl(m, targets=[1.0]).run()
+        m.add(kg.Prescribe(right, x=pull))
+        return kg.LoadControl(m, targets=np.linspace(0.1, 1, 10)).run()
+
+    cooled = walls(0.0, strain)
+    found = cooled.reaction("right", "x")[0]
+    assert cooled.yielded[0] == 1.0
+    assert found == pytest.approx(walls(strain, 0.0).reaction("right", "x")[-1], rel=2e-3)
+    if rung == "shell":  # one direction alone: the curve of the material
+        along = limit + (strain - limit / E) * E * modulus / (E + modulus)
+        assert found == pytest.approx(along * THICKNESS * 0.6, rel=1e-4)
+
+
+@pytest.mark.filterwarnings("ignore:the mesh is biased")
+@pytest.mark.parametrize("rung", ["plate", "shell"])
+def test_what_is_constant_grows_in_steps_to_where_it_is_found_at_once(rung: str) -> None:
+    """Loads, supports and strains alike; where all of it at once is found, nothing is grown."""
+    from kirigami.analysis.path.begin import grown
+    from kirigami.analysis.path.methods import LoadControl
+    from kirigami.analysis.path.walk import Walk
+
+    m = sheet(1.0, 0.6, 0.4, rung=rung)
+    left, right = m.select(boundary="left"), m.select(boundary="right")
+    m.add(kg.Fix(left, clamp=True), kg.Prescribe(right, x=4e-3, constant=True), kg.NodalLoad(right, (0, 0, 1e-6)))
+    m.add(kg.NodalLoad(right, (0, 0.02, 0.002), constant=True), kg.AreaLoad((0, 0, 0.003), constant=True))
+    m.add(kg.Actuate(strain=(2e-3, 1e-3, 0), curvature=(0.02, 0, 0), constant=True))
+    analysis = LoadControl(m, targets=[1.0])
+    at_once = analysis.run()[0]
+    walk = Walk(analysis, [])
+    stepped = grown(walk, walk._starting_state())
+    assert stepped.converged and walk.system.begun == 1.0
+    assert walk.system.parted(stepped.state.u)[0] == pytest.approx(at_once.u, abs=1e-6)
+
+
 def test_what_cannot_be_is_refused() -> None:
     with pytest.raises(kg.ModelError, match="other than zero"):
         kg.Actuate()

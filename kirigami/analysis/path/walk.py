@@ -11,6 +11,7 @@ import copy
 from collections.abc import Iterable
 from typing import Any
 
+from kirigami.analysis.path.begin import grown
 from kirigami.analysis.path.branching import leave_along_mode, switch
 from kirigami.analysis.path.checkpoint import Checkpoint, resume
 from kirigami.analysis.path.controls import LoadFactorControl
@@ -147,6 +148,8 @@ class Walk(PathRun):
             attempt.stiffness = Stiffness(*tangent_there, state.u)
         if not attempt.converged:
             attempt = self.descend(state)
+        if not attempt.converged and self.settings.start is None:
+            attempt = grown(self, state)
         tangent = self.tangent_at(attempt)
         if tangent is None:
             raise self.failure(attempt, 0.0)
