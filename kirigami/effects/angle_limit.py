@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kirigami.elements.angle import TURN
-from kirigami.elements.torsion_spring import TorsionSpring3, TorsionSpring3Kernel
+from kirigami.elements.torsion_spring import TorsionSpring3Kernel, connected_arms
 from kirigami.errors import ModelError
 from kirigami.primitives.checks import require_finite, require_positive
 from kirigami.primitives.kernel import EXACT, Array, Contribution, Kernel, Tangent
@@ -105,12 +105,10 @@ class AngleLimit(ModelObject):
 
     @classmethod
     def lower(cls, objects: Sequence[AngleLimit], numbering: Numbering) -> list[Kernel]:
-        conn = numbering.connectivity(objects)
+        conn = connected_arms(objects, numbering)
         stiffness, minimum, maximum, width = np.array(
             [(item.stiffness, item.minimum, item.maximum, item.width) for item in objects]
         ).T
-        # The torsion spring on the same nodes does the geometry, and says what is wrong with arms of no length.
-        TorsionSpring3.lower([TorsionSpring3(item.i, item.j, item.k, 1.0) for item in objects], numbering)
         kernel = AngleLimitKernel(numbering.rest, conn, stiffness, minimum, maximum, width)
         angle = kernel.deformation(numbering.rest)
         beyond = np.flatnonzero((angle < minimum - TOUCHING) | (angle > maximum + TOUCHING))

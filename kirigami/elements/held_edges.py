@@ -73,6 +73,8 @@ def check_held(item: Any, numbering: Numbering) -> None:
         )
     if item.mirror:
         axis = AXES.index(item.mirror)
+        if axis >= numbering.dim:
+            raise ModelError(f"{item!r}: a mirror plane across z holds nothing in a model with dim=2")
         away = np.abs(numbering.rest[nodes, axis] - numbering.rest[nodes[0], axis])
         far = int(nodes[int(np.argmax(away))])
         if away.max() > IN_PLANE * numbering.size:

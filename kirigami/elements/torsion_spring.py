@@ -14,7 +14,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -100,22 +100,29 @@ class TorsionSpring3(ModelObject):
 
     @classmethod
     def lower(cls, objects: Sequence[TorsionSpring3], numbering: Numbering) -> list[Kernel]:
-        if numbering.dim != 2:
-            raise ModelError("TorsionSpring3 needs a model with dim=2: its angle is counted in the plane")
-        conn = numbering.connectivity(objects)
-        for arm, end in ((conn[:, 0], 0), (conn[:, 2], 2)):
-            length = np.linalg.norm(numbering.rest[arm] - numbering.rest[conn[:, 1]], axis=1)
-            short = np.flatnonzero(length <= 1e-12 * numbering.size)
-            if short.size:
-                spring = objects[int(short[0])]
-                raise ModelError(
-                    f"{short.size} TorsionSpring3 with an arm of zero length, the first between "
-                    f"{numbering.describe(spring.j)} and {numbering.describe(spring.nodes[end])}"
-                )
+        conn = connected_arms(objects, numbering)
         stiffness = np.array([spring.stiffness for spring in objects])
         rest_angle = np.array([math.nan if s.rest_angle is None else s.rest_angle for s in objects])
         targets = targets_of(objects, "target_angle")
         return [TorsionSpring3Kernel(numbering.rest, conn, stiffness, rest_angle, None, targets)]
+
+
+def connected_arms(objects: Sequence[Any], numbering: Numbering) -> NDArray[np.int64]:
+    """Nodes (n, 3) of objects that have an angle between two arms in the plane, or a ModelError in their name."""
+    owner = type(objects[0]).__name__
+    if numbering.dim != 2:
+        raise ModelError(f"{owner} needs a model with dim=2: its angle is counted in the plane")
+    conn = numbering.connectivity(objects)
+    for arm, end in ((conn[:, 0], 0), (conn[:, 2], 2)):
+        length = np.linalg.norm(numbering.rest[arm] - numbering.rest[conn[:, 1]], axis=1)
+        short = np.flatnonzero(length <= 1e-12 * numbering.size)
+        if short.size:
+            item = objects[int(short[0])]
+            raise ModelError(
+                f"{short.size} {owner} with an arm of zero length, the first between "
+                f"{numbering.describe(item.nodes[1])} and {numbering.describe(item.nodes[end])}"
+            )
+    return conn
 
 
 def _arms(points: Array, conn: NDArray[np.int64]) -> tuple[Array, Array]:
