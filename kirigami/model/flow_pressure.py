@@ -99,11 +99,10 @@ class FlowPressure(Load):
         if numbering.dim == 2:
             raise ModelError(f"{objects[0]!r} acts across the sheet, but the model has dim=2: make it with dim=3")
         surface = Surface(numbering, "FlowPressure")
+        facets = [surface.triangles[surface.chosen(item.facets, repr(item))] for item in objects]
         return [
-            FlowPressureKernel(
-                surface.triangles[surface.chosen(item.facets, repr(item))], item.q, item.direction, item.constant
-            )
-            for item in objects
+            FlowPressureKernel(numbering.rest, conn, item.q, item.direction, item.constant)
+            for conn, item in zip(facets, objects)
         ]
 
     def __repr__(self) -> str:
@@ -116,9 +115,10 @@ class FlowPressureKernel(LoadKernel):
     name = "flow"
     conservative = False
 
-    def __init__(self, conn: Index, q: float, direction: ArrayLike, constant: bool = False, rest: Any = None) -> None:
+    def __init__(self, rest: Array, conn: Index, q: float, direction: ArrayLike, constant: bool = False) -> None:
         super().__init__(constant)
-        self.conn, self.q, self.direction = conn, float(q), np.asarray(direction, dtype=float)
+        self.rest, self.conn = rest, conn
+        self.q, self.direction = float(q), np.asarray(direction, dtype=float)
 
     def arrays(self) -> dict[str, Any]:
         return {"conn": self.conn, "q": self.q, "direction": self.direction, "constant": self.constant}

@@ -18,10 +18,10 @@ def test_force_on_a_tilted_plate_and_its_derivative() -> None:
     for angle in (0.0, 0.7, 2.5):
         c, s = np.cos(angle), np.sin(angle)
         x = corners @ np.array([[1, 0, 0], [0, c, s], [0, -s, c]])
-        kernel = FlowPressureKernel(np.array([[0, 1, 2]]), 3.0, (0, 0, 1))
+        kernel = FlowPressureKernel(np.zeros((3, 3)), np.array([[0, 1, 2]]), 3.0, (0, 0, 1))
         normal = np.array([0, -s, c])
         assert kernel.force_on(x)[0] == pytest.approx(3.0 * 0.45 * c * abs(c) * normal, abs=1e-14)
-    kernel = FlowPressureKernel(np.array([[0, 1, 2]]), 3.0, (0.6, 0, 0.8))
+    kernel = FlowPressureKernel(np.zeros((3, 3)), np.array([[0, 1, 2]]), 3.0, (0.6, 0, 0.8))
     x = corners + [[0, 0.1, 0.2], [0] * 3, [0.1] * 3]
     step, slope = 1e-6, np.zeros((3, 3, 3, 3))
     for node in range(3):

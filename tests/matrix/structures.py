@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import cache
+from typing import Any
 
 import numpy as np
 from changes import CHANGES, Change
@@ -41,16 +42,23 @@ def of_sheet(change: Change, limit: float | None = None) -> kg.Material:
 
 
 def sheet(
-    rung: str, dim: int, change: Change, drive: float = 1.0, fold: float | None = None, limit: float | None = None
+    rung: str,
+    dim: int,
+    change: Change,
+    drive: float = 1.0,
+    fold: float | None = None,
+    limit: float | None = None,
+    material: Any = None,
 ) -> kg.Model:
-    """The square on a rung; with a fold across it of this stiffness per length; with a yield stress."""
+    """The square on a rung; with a fold across it of this stiffness per length; with a yield stress, or of a material
+    of its own."""
     points, facets = drawn()
     order = change.order(len(points))
     new = np.argsort(order)  # where each old node stands now
     facets = new[facets][change.order(len(facets))]
     if change.mirrors:
         facets = facets[:, [0, 2, 1]]
-    material = of_sheet(change, limit)
+    material = of_sheet(change, limit) if material is None else material
     creased = [] if fold is None else [kg.FoldEdges(new[FOLD], stiffness=fold * change.force)]
     mesh = kg.TriMesh(change.places(points)[order][:, : 2 if change.flat else 3], facets, folds=creased)
     m = kg.Model.from_mesh(mesh, THICKNESS * change.length, material, rung, dim=dim)

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from functools import cache
 from typing import Any
 
 import numpy as np
 import pytest
 from changes import CHANGES, Change
-from structures import SAME, STRUCTURES, TOP, applies
+from effects_on_sheets import EFFECTS
+from structures import SAME, STRUCTURES, applies
 
 import kirigami as kg
 
@@ -18,53 +18,8 @@ CLOSE = 2e-6  # of the largest value: what the tolerance of the steps leaves
 NOT_KEPT = ("friction", "pressure")  # what takes energy out, or has no potential on a sheet with a free rim
 
 
-def nodes_of(m: kg.Model, how: Change, *old: int) -> list[kg.Node]:
-    """Nodes of the sheet of the matrix by their numbers in the drawing."""
-    new = np.argsort(how.order(16))
-    return [m.nodes[new[k]] for k in old]
-
-
-def floor(m: kg.Model, how: Change, friction: float) -> kg.Contact:
-    """A plane close under a free edge."""
-    point, normal = how.places(np.array([0, 0, -2e-4])), how.turn @ [0, 0, 1]
-    return kg.Contact(
-        nodes_of(m, how, 4, 8), kg.Plane(point, normal), stiffness=500.0 * how.force / how.length,
-        layer=1e-3 * how.length, friction=friction,
-    )  # fmt: skip
-
-
-def with_grip(m: kg.Model, how: Change) -> None:
-    """The driven edge and the row before it as a rigid body that turns."""
-    m.remove(*[item for item in m.constraints if isinstance(item, kg.Prescribe)])
-    turn = np.linalg.det(how.turn) * how.turn @ [0.3, 0.1, 0.2]
-    m.add(kg.Grip(nodes_of(m, how, *TOP, 9), move=how.places(np.array([0.02, 0.03, 0.1])), turn=turn))
-
-
-def with_link(m: kg.Model, how: Change) -> None:
-    m.add(kg.RigidLink(nodes_of(m, how, 4, 8, 5)))
-
-
-def with_cable(m: kg.Model, how: Change) -> None:
-    """From the free edge to the ground, slack or not."""
-    ground = m.add(kg.Node(*how.places(np.array([-0.5, 0.3, 0.4])).tolist()))
-    (end,) = nodes_of(m, how, 4)
-    line = 0.3 * how.force / how.length**2
-    m.add(kg.Fix(ground), kg.Bar(ground, end, EA=2e3 * how.force, law="cable", mass_per_length=line))
-
-
-EFFECTS: dict[str, Callable[[kg.Model, Change], Any]] = {
-    "contact": lambda m, how: m.add(floor(m, how, 0.0)),
-    "friction": lambda m, how: m.add(floor(m, how, 0.4)),
-    "spring": lambda m, how: m.add(kg.Spring(nodes_of(m, how, 4, 8), 800.0 * how.force / how.length)),
-    "pressure": lambda m, how: m.add(kg.Pressure(400.0 * how.force / how.length**2)),
-    "grip": with_grip,
-    "link": with_link,
-    "cable": with_cable,
-    "actuated": lambda m, how: m.add(
-        kg.Actuate(strain=(2e-3, 2e-3, 0), curvature=np.array([0.2, 0.2, 0]) / how.length, constant=True)
-    ),
-}
-CASES = [*STRUCTURES, *(f"{rung}, {effect}" for rung in ("plate", "facet", "shell") for effect in EFFECTS)]
+MOVING = ("contact", "friction", "spring", "pressure", "grip", "link", "cable", "actuated")
+CASES = [*STRUCTURES, *(f"{rung}, {effect}" for rung in ("plate", "facet", "shell") for effect in MOVING)]
 
 
 def model_of(case: str, how: Change) -> kg.Model:
