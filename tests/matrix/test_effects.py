@@ -63,7 +63,7 @@ def test_every_object_joins_the_matrix() -> None:
 @cache
 def at_rest(effect: str, rung: str, change: str = "") -> kg.Results:
     m = model_with(effect, rung, HOW.get(change, SAME))
-    return kg.LoadControl(m, targets=[0.1, 0.5, 1.0], tol=1e-10, on_instability="follow").run()
+    return kg.LoadControl(m, targets=[0.3, 1.0], tol=1e-10, on_instability="follow").run()
 
 
 def assert_same(found: Any, wanted: Any, close: float = CLOSE) -> None:
@@ -71,7 +71,7 @@ def assert_same(found: Any, wanted: Any, close: float = CLOSE) -> None:
 
 
 CASES = [(effect, rung) for effect in EFFECTS for rung in RUNGS]
-SLOW = {("what yields", "shell")}  # seconds
+SLOW = {(effect, "shell") for effect in ("what yields", "contact", "spring", "link", "area load")}  # or like others
 FAST = {case for case in CASES if case[1] == "shell"} - SLOW
 
 
@@ -115,7 +115,7 @@ def test_a_rung_that_has_it_not_says_so(effect: str, rung: str) -> None:
 
 @pytest.mark.parametrize(
     "effect, rung",
-    [pytest.param(*case, marks=[pytest.mark.long] if case in SLOW else []) for case in CASES if case not in REFUSED],
+    [pytest.param(*case, marks=[] if case in FAST else [pytest.mark.long]) for case in CASES if case not in REFUSED],
 )
 def test_kernels_of_a_scene_belong_to_their_energies(effect: str, rung: str) -> None:
     """Where the scene has come to, and off the symmetry of it."""
