@@ -334,12 +334,12 @@ class BarKernel(NaturalKernel):
             pull = -change * slope * stretch / (L * length) * vector
         return Contribution(rate, np.stack([-pull, pull]).transpose(2, 0, 1))
 
-    def _stress_ahead(self, x: Array, change: Array, lam: float) -> Array:
-        """Stress over EA (n,) after a linear step `change` off `x`."""
+    def _law_ahead(self, x: Array, change: Array, lam: float) -> tuple[Array, Array]:
+        """Stress and its slope (n,) where a linear step leads to: free of the false strain of turns, which would pull at
+        what is stiff, and make a bar yield that does not."""
         vector, green, length = self._vectors(x, lam)
-        _, stress, slope = self._law(self._strain(green, length, lam))
-        ahead = stress + slope * self._rate(vector, length, change, lam)
-        return np.maximum(ahead, 0.0) if self.law == "cable" else ahead
+        strain = self._strain(green, length, lam) + self._rate(vector, length, change, lam)
+        return self._law(strain)[1:]
 
     def by_rest(self, x: Array, lam: float, fields: Array, energies: Array) -> Array | None:
         """In closed form: strain and its rate are functions of the vector at rest and of the rest length."""
@@ -390,9 +390,11 @@ class BarKernel(NaturalKernel):
         if need == 1:
             return Contribution(energy, gradient.transpose(2, 1, 0))
         if tangent.ahead is not None:
-            stress = self._stress_ahead(*tangent.ahead, lam)
+            stress, slope = self._law_ahead(*tangent.ahead, lam)
         if tangent.convexity:  # compression is what makes a bar's Hessian indefinite
             stress = stress - tangent.convexity * np.minimum(stress, 0.0)
+            if self.law == "linear":  # what yields is as stiff as it can become
+                slope = slope + tangent.convexity * (1.0 - slope)
         geometric = self.EA * stress / base
         along = self.EA * slope / (L * base**2)
         if self.strain == "engineering":  # the direction of the pull turns with the bar
