@@ -335,8 +335,8 @@ class BarKernel(NaturalKernel):
         return Contribution(rate, np.stack([-pull, pull]).transpose(2, 0, 1))
 
     def _law_ahead(self, x: Array, change: Array, lam: float) -> tuple[Array, Array]:
-        """Stress and its slope (n,) where a linear step leads to: free of the false strain of turns, which would pull at
-        what is stiff, and make a bar yield that does not."""
+        """Stress and its slope (n,) where a linear step leads to: without the false strain of turns, which would pull
+        at what is stiff, and make a bar yield that does not."""
         vector, green, length = self._vectors(x, lam)
         strain = self._strain(green, length, lam) + self._rate(vector, length, change, lam)
         return self._law(strain)[1:]
