@@ -90,7 +90,7 @@ class WaveStiffness:
             coupling = self._coupling.toarray()
             moved = np.column_stack([self._factor.solve(column) for column in coupling.T])
             edge = edge - coupling.T @ moved
-        self.matrix = 0.5 * (edge + edge.T)
+        self._shifts, self._parts = self._by_shift(0.5 * (edge + edge.T))
         self._alike = self._rigid(known)
 
     def _rigid(self, known: CellSystem) -> Array:
@@ -113,14 +113,31 @@ class WaveStiffness:
         border = (self._outside.T @ np.array(moving).reshape(len(moving), -1).T)[: self.border]
         return np.asarray(np.linalg.qr(border)[0]) if moving else border
 
+    def _by_shift(self, edge: Array) -> tuple[Array, Array]:
+        """The border's stiffness, summed onto what leads (d, border, border) by the steps (d, m) between two places."""
+        b, m = self.border, self.steps.shape[1]
+        steps = np.concatenate([np.zeros((b, m), np.int64), self.steps])
+        leader = np.concatenate([np.arange(b), self.leader])
+        kinds, kind = np.unique(steps, axis=0, return_inverse=True)
+        kind = kind.ravel()
+        folded = np.zeros((len(kinds), b, len(edge)))
+        for number in range(len(kinds)):
+            np.add.at(folded[number], leader[kind == number], edge[kind == number])
+        shifts, place = np.unique(
+            (kinds[None] - kinds[:, None]).reshape(-1, m), axis=0, return_inverse=True
+        )
+        place = place.ravel().reshape(len(kinds), -1)
+        parts = np.zeros((len(shifts), b, b))
+        for one in range(len(kinds)):
+            for other in range(len(kinds)):
+                at = np.flatnonzero(kind == other)
+                np.add.at(parts[place[one, other]].T, leader[at], folded[one][:, at].T)
+        return shifts, parts
+
     def turned(self, phases: Array) -> Array:
         """S(phase) (border, border), complex; without phase, what moves the whole is given a stiffness."""
-        turn = np.exp(1j * (self.steps @ phases))
-        b = self.border
-        spread = np.zeros((len(turn), b), complex)
-        spread[np.arange(len(turn)), self.leader] = turn
-        found = self.matrix[:b, :b] + self.matrix[:b, b:] @ spread
-        found += spread.conj().T @ (self.matrix[b:, :b] + self.matrix[b:, b:] @ spread)
+        angle = self._shifts @ phases
+        found = np.tensordot(np.cos(angle), self._parts, 1) + 1j * np.tensordot(np.sin(angle), self._parts, 1)
         if np.abs(np.exp(1j * phases) - 1).max() < SAME and self._alike.size:
             found += float(np.abs(np.diag(found)).max()) * (self._alike @ self._alike.T)
         return np.asarray(0.5 * (found + found.conj().T))

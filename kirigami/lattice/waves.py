@@ -29,7 +29,7 @@ from kirigami.primitives.kernel import Array
 if TYPE_CHECKING:
     from kirigami.lattice.periodic import PeriodicCell
 
-GRID = 8  # phases from 0 to half a turn, from which the search for the worst wave starts
+GRID = 6  # phases from 0 to half a turn, from which the search for the worst wave starts
 FIRST = 1e-6  # strain that tells how fast the stiffness falls
 NOTHING = 1e-7  # fall of the stiffness over that strain, below which nothing buckles
 NEAR = 0.2  # lowest eigenvalue over that at rest, from which on the worst wave is looked for between those of the grid
