@@ -15,6 +15,7 @@ SAME = Change()
 THICKNESS, E, NU, DENSITY = 0.05, 1e6, 0.3, 1.2
 LINE = 0.3  # mass per length of the bars of hand-built structures
 BOTTOM, TOP, SIDE = [0, 1, 2, 3], [12, 13, 14, 15], [4, 8]  # of the sheet below
+CELL_PUSH = {5: 2.0, 6: -3.0, 9: 1.0}  # forces across the sheet at inner nodes, in balance
 FOLD = [(4, 5), (6, 7)]  # on both sides of the opening
 RUNGS = kg.stiffness.RUNGS
 
@@ -154,6 +155,30 @@ def built(
         return m
 
     return make
+
+
+def cell(rung: str, change: Change, drive: float = 1.0) -> kg.PeriodicCell:
+    """The square as the cell of a sheet without end: stretched along x, sheared, free along y, and pushed inside."""
+    points, facets = drawn()
+    order = change.order(len(points))
+    new = np.argsort(order)
+    facets = new[facets][change.order(len(facets))]
+    if change.mirrors:
+        facets = facets[:, [0, 2, 1]]
+    density = DENSITY * change.force / change.length**4
+    material = kg.Material(E=E * change.force / change.length**2, nu=NU, density=density)
+    mesh = kg.TriMesh(change.places(points)[order], facets)
+    m = kg.Model.from_mesh(mesh, THICKNESS * change.length, material, rung)
+    lattice = change.places(np.eye(3)[:2])
+    strain = change.turn @ np.diag([0.03 * drive, 0.0, 0.0]) @ change.turn.T
+    shear = change.turn @ np.array([[0, 0.02, 0], [0.02, 0, 0], [0, 0, 0]]) @ change.turn.T
+    given: list[float | None] = [strain[0, 0], strain[1, 1], 2 * drive * shear[0, 1]]
+    given["xy".index(change.axis("y"))] = None
+    made = kg.PeriodicCell(m, lattice[:, :2])
+    made.impose(given)
+    at = [m.nodes[k] for k in new]
+    m.add(*(kg.NodalLoad(at[k], change.forces(drive * np.array([0.0, 0.0, push]))) for k, push in CELL_PUSH.items()))
+    return made
 
 
 TRUSS = built(

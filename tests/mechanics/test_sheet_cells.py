@@ -17,6 +17,7 @@ MATERIAL = kg.Material(E, NU)
 PLANE = E * THICKNESS / (1 - NU**2) * np.array([[1, NU, 0], [NU, 1, 0], [0, 0, (1 - NU) / 2]])
 RIGIDITY = E * THICKNESS**3 / (12 * (1 - NU**2))
 RUNGS = ("plate", "facet", "shell")
+COSTLY = ("plate", *(pytest.param(rung, marks=pytest.mark.long) for rung in ("facet", "shell")))
 
 
 def uncut(cells: int, skew: float = 0.2, size: float = 1.0) -> tuple[kg.TriMesh, np.ndarray]:
@@ -151,7 +152,7 @@ def test_stress_of_a_buckled_cell_is_the_slope_of_its_energy_and_the_tangent_tha
     assert law.poisson[at] == pytest.approx(-law.strain[at, 0] / 0.05, rel=1e-6)
 
 
-@pytest.mark.parametrize("rung", RUNGS)
+@pytest.mark.parametrize("rung", COSTLY)
 def test_two_cells_buckle_as_one_and_the_file_says_the_same(rung: str, tmp_path) -> None:
     cell = cell_of(slit_sheet(), rung)
     two = many(cell, rung, (1, 2))
@@ -218,7 +219,7 @@ def test_a_long_strip_is_eulers_column() -> None:
         assert -found.stress[0] == pytest.approx(E * inertia * (2 * math.pi / longest) ** 2, rel=2e-3)
 
 
-@pytest.mark.parametrize("rung", RUNGS)
+@pytest.mark.parametrize("rung", COSTLY)
 def test_waves_of_a_cell_are_what_many_cells_do_alike(rung: str) -> None:
     """A wave of two cells, just before and just after its load, against the cell of two: stable, then not."""
     cell = cell_of(slit_sheet(), rung)
