@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
+from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -21,6 +22,7 @@ if TYPE_CHECKING:
     from kirigami.elements.shell_yield import YieldingShellKernel
 
 Index = NDArray[np.int64]
+NOTHING = np.empty((0, 6))
 NONE = np.empty(0, np.int64), np.empty((0, 18)), np.empty((0, 3, 6, 6))  # no facet that answers by another law
 MANY = 4000  # facets from which on threads gain more than they cost
 
@@ -39,7 +41,8 @@ class CompiledShell:
             _by_facet(kernel._rest_angles), _by_facet(kernel._rest_curvatures),
         )  # fmt: skip
         self._stored, self._scale = _by_facet(kernel._stored), _by_facet(kernel._angle_scale)
-        stretch, couple, bend = _weighted(kernel.section, kernel.chart.area, membrane.to_strain, bending.to_curvature)
+        root = _root(kernel.section, kernel.chart.area)
+        stretch, couple, bend = _weighted(root, membrane.to_strain, bending.to_curvature)
         self._lanes = (
             *map(_in_lanes, (kernel._rest_vectors, membrane.per_square, membrane.mean_forms, stretch)),
             _in_lanes(couple) if kernel.coupled else np.empty((0, 9, 15, LANES)),
@@ -48,14 +51,28 @@ class CompiledShell:
         self._of_edges = kernel._edge, kernel._stored, _in_lanes(kernel._angle_scale)
         self._tangents = _in_lanes(np.moveaxis(kernel.chart.tangent, 0, -1))
 
-    def _state(self, x: Array) -> tuple[Any, ...]:
+    @cached_property
+    def _root(self) -> Array:
+        return _root(self._kernel.section, self._kernel.chart.area)
+
+    def _state(self, x: Array, lam: float) -> tuple[Any, ...]:
         kernel = self._kernel
+        natural = kernel.natural(lam)
         u = np.ascontiguousarray(displacement_of(x, kernel.rest), dtype=float)
         directors = _by_facet(kernel._local_directors())
         return (
             kernel.conn, np.ascontiguousarray(x, dtype=float), u, self._rest, *self._membrane, *self._matrices,
             *self._section, directors, self._stored, self._scale,
+            NOTHING if natural is None else np.ascontiguousarray(natural),
         )  # fmt: skip
+
+    def _released(self, natural: Array) -> Array:
+        """What facets bear nothing at (n, 6), weighted as the measures are, in lanes (count, 18, LANES)."""
+        if not len(natural):
+            return np.empty((0, 18, LANES))
+        # it is the same at all corners, so that each row of SHARE counts as its sum
+        weighted = SHARE[0].sum() * np.einsum("nab,nb->an", self._root, natural)
+        return np.asarray(_in_lanes(np.concatenate([np.tile(part, (3, 1)) for part in (weighted[:3], weighted[3:])])))
 
     def _side_by_side(self, work: Callable[[int, int, Array], float | None], count: int, total: Array) -> float:
         """Let threads add a part of `count` pieces each to `total`; the same for a given number of threads."""
@@ -76,7 +93,7 @@ class CompiledShell:
         return NONE
 
     def add_forces(self, x: Configuration, lam: float, total: Array) -> float:
-        state = self._state(x)
+        state = self._state(x, lam)
         own = self._answers(state, lam, False)[:2]
         return self._side_by_side(
             lambda first, last, target: shell_loops.forces(*state, *own, first, last, target),
@@ -85,6 +102,7 @@ class CompiledShell:
 
     def add_blocks(self, x: Configuration, lam: float, tangent: Tangent, slots: Index, blocks: Array) -> None:
         kernel, ahead = self._kernel, np.empty((0, 9))
+        state, convexity = self._state(x, lam), float(tangent.convexity)
         if tangent.ahead is not None:
             start, change = tangent.ahead
             u = np.ascontiguousarray(displacement_of(start, kernel.rest), dtype=float)
@@ -92,11 +110,13 @@ class CompiledShell:
             ahead = np.empty((len(kernel.conn), 9))
             shell_loops.pull_ahead(
                 kernel.conn, u, np.ascontiguousarray(change, dtype=float), self._rest, *self._membrane,
-                self._matrices[0], self._section[1], self._section[2], curvature, ahead,
+                self._matrices[0], self._section[1], self._section[2], curvature, state[-1], ahead,
             )  # fmt: skip
-        state, convexity = self._state(x), float(tangent.convexity)
         place, answers, sections = self._answers(state, lam, True)
-        in_lanes = (kernel.conn, state[1], state[2], *self._lanes, kernel._directors, *self._of_edges, self._tangents)
+        in_lanes = (
+            kernel.conn, state[1], state[2], *self._lanes, kernel._directors, *self._of_edges, self._tangents,
+            self._released(state[-1]),
+        )  # fmt: skip
 
         def work(first: int, last: int, target: Array) -> None:
             shell_lanes.blocks(*in_lanes, place, first, last, ahead, convexity, slots, target)
@@ -108,7 +128,7 @@ class CompiledShell:
         second, _, area = self._section[:3]
         described = (
             facets, answers, sections, kernel.conn, state[2], self._rest, *self._membrane, *self._matrices, second,
-            area, state[-3], self._stored, self._scale,
+            area, state[-4], self._stored, self._scale,
         )  # fmt: skip
 
         def one_by_one(first: int, last: int, target: Array) -> None:
@@ -152,10 +172,14 @@ def _in_lanes(values: Any) -> Any:
     return np.ascontiguousarray(np.moveaxis(filled.reshape(*values.shape[:-1], -1, LANES), -2, 0))
 
 
-def _weighted(section: Array, area: Array, to_strain: Array, to_curvature: Array) -> tuple[Array, Array, Array]:
+def _root(section: Array, area: Array) -> Array:
+    """Matrices (n, 6, 6), upper triangles, whose squares are the sections by the area over 12."""
+    return np.asarray(np.linalg.cholesky(section).transpose(0, 2, 1) * np.sqrt(area / 12)[:, None, None])
+
+
+def _weighted(root: Array, to_strain: Array, to_curvature: Array) -> tuple[Array, Array, Array]:
     """Matrices (9, k, n) from the measures to numbers whose squares are twice the energy: stretch and couple add up
     to nine of them, bend makes the other nine."""
-    root = np.linalg.cholesky(section).transpose(0, 2, 1) * np.sqrt(area / 12)[:, None, None]
 
     def weighted(part: Array, fields: Array) -> Array:
         at_corners = part[:, None] @ fields.reshape(len(part), 3, 3, -1)

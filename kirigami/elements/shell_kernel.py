@@ -164,8 +164,6 @@ class ShellFacetKernel(NaturalKernel):
         return np.asarray(np.linalg.norm(self.section[:, 3:, 3:], axis=(1, 2)) / self.chart.area)
 
     def compiled(self) -> CompiledKernel | None:
-        if self._natural is not None:
-            return None
         from kirigami.elements.compiled_shell import CompiledShell
 
         return CompiledShell(self)

@@ -33,7 +33,8 @@ from kirigami.elements.shell_loops import compiled, scatter
 @compiled
 def blocks(  # type: ignore[no-untyped-def]
     conn, x, u, all_rest, all_per_square, all_forms, all_stretch, all_couple, all_bend, all_second, rest_angle,
-    rest_curvature, directors, edge, stored, all_scale, tangents, own, first, last, ahead, convexity, slots, target,
+    rest_curvature, directors, edge, stored, all_scale, tangents, released, own, first, last, ahead, convexity, slots,
+    target,
 ):  # fmt: skip
     """Add the Hessian of all facets but those that answer by a law of their own: not -1 in `own` (n,), or none."""
     n = len(conn)
@@ -70,6 +71,10 @@ def blocks(  # type: ignore[no-untyped-def]
         facing(normal, inward, tangent, seen, faced)
         bent(v, area_normal, faced, turned, second, rest_angle[batch], rest_curvature[batch], scale, b)
         y[:], z[:], pull[:], moment[:] = 0.0, 0.0, 0.0, 0.0
+        if len(released):  # what the facets bear nothing at, weighted as the measures are
+            for m in range(9):
+                for lane in range(LANES):
+                    y[m, lane], z[m, lane] = -released[batch, m, lane], -released[batch, 9 + m, lane]
         weigh(stretch, r, y)
         weigh(bend, b, z)
         if coupled:

@@ -189,6 +189,15 @@ def fields_of(f, r, b, to_strain, to_curvature, fields):  # type: ignore[no-unty
 
 
 @compiled
+def released(f, natural, fields):  # type: ignore[no-untyped-def]
+    """Take off what a facet bears nothing at, of `natural` (n, 6), or nothing where that is empty."""
+    if len(natural):
+        for i in range(3):
+            for c in range(6):
+                fields[6 * i + c] -= natural[f, c]
+
+
+@compiled
 def resultants_of(f, fields, section, area, force):  # type: ignore[no-untyped-def]
     """Derivatives (18,) of the energy by the fields at the corners, of a facet that is elastic."""
     scale = area[f] / 12.0
@@ -223,21 +232,22 @@ def pulled_back(f, force, to_strain, to_curvature, pull, moment):  # type: ignor
 @compiled
 def fields_at(  # type: ignore[no-untyped-def]
     conn, x, u, rest, per_square, forms, to_strain, to_curvature, second, section, area,
-    rest_angle, rest_curvature, director, stored, scale, found,
+    rest_angle, rest_curvature, director, stored, scale, natural, found,
 ):  # fmt: skip
-    """Strain and curvature (n, 18) at the corners of all facets."""
+    """Strain and curvature (n, 18) at the corners of all facets, beyond what they bear nothing at."""
     du, v, r, b = np.empty((5, 3)), np.empty((5, 3)), np.empty(9), np.empty(15)
     for f in range(len(conn)):
         gather(f, conn, u, rest, du, v)
         stretch(f, rest, du, per_square, forms, r)
         bend(f, v, x, conn, director, stored, scale, second, rest_angle, rest_curvature, b)
         fields_of(f, r, b, to_strain, to_curvature, found[f])
+        released(f, natural, found[f])
 
 
 @compiled
 def forces(  # type: ignore[no-untyped-def]
     conn, x, u, rest, per_square, forms, to_strain, to_curvature, second, section, area,
-    rest_angle, rest_curvature, director, stored, scale, place_of, answers, first, last, total,
+    rest_angle, rest_curvature, director, stored, scale, natural, place_of, answers, first, last, total,
 ):  # fmt: skip
     """Add the gradient. Where `place_of` (n,) is given and not -1, the derivatives by the fields are those of
     `answers` (k, 18)."""
@@ -255,6 +265,7 @@ def forces(  # type: ignore[no-untyped-def]
             force[:] = answers[place_of[f]]
         else:
             fields_of(f, r, b, to_strain, to_curvature, fields)
+            released(f, natural, fields)
             resultants_of(f, fields, section, area, force)
         pulled_back(f, force, to_strain, to_curvature, pull, moment)
         stretch_rows(f, v, per_square, forms, membrane)
@@ -285,7 +296,7 @@ def forces(  # type: ignore[no-untyped-def]
 
 @compiled
 def pull_ahead(  # type: ignore[no-untyped-def]
-    conn, u, change, rest, per_square, forms, to_strain, section, area, curvature, ahead
+    conn, u, change, rest, per_square, forms, to_strain, section, area, curvature, natural, ahead
 ):
     """Membrane forces by the measures, after a linear step `change` off u; curvatures (n, 3, 3) as they are there."""
     du, v, step = np.empty((5, 3)), np.empty((5, 3)), np.empty((5, 3))
@@ -306,6 +317,7 @@ def pull_ahead(  # type: ignore[no-untyped-def]
                     value += to_strain[f, 3 * i + c, m] * r[m]
                 fields[6 * i + c] = value
                 fields[6 * i + 3 + c] = curvature[f, i, c]
+        released(f, natural, fields)
         resultants_of(f, fields, section, area, force)
         for m in range(9):
             value = 0.0

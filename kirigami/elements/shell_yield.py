@@ -102,8 +102,6 @@ class YieldingShellKernel(ShellFacetKernel):
             raise ModelError(YIELDS_AND_DRIVEN)
 
     def compiled(self) -> CompiledKernel | None:
-        if self._natural is not None:
-            return None
         from kirigami.elements.compiled_shell import CompiledYieldingShell
 
         return CompiledYieldingShell(self)

@@ -77,10 +77,14 @@ def test_moving_the_directors_along_changes_no_energy():
 
 @pytest.mark.parametrize("coupled", [False, True])
 @pytest.mark.parametrize("convexity, ahead", [(0.0, False), (0.6, False), (0.3, True)])
-def test_the_compiled_twin_agrees(coupled, convexity, ahead):
+@pytest.mark.parametrize("actuated", [False, True])
+def test_the_compiled_twin_agrees(coupled, convexity, ahead, actuated):
     pytest.importorskip("numba")
     kernel, system = kernel_of(coupled=coupled)
     random = np.random.default_rng(7)
+    if actuated:
+        for constant in (False, True):
+            kernel.actuate(np.arange(0, len(kernel.conn), 2), 0.3 * random.normal(size=(1, 6)), constant)
     kernel.commit(system.rest + 0.2 * random.normal(size=system.rest.shape))
     u = 0.2 * random.normal(size=system.rest.shape)
     x = Configuration(system.rest, u)
