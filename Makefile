@@ -5,7 +5,7 @@ BIN = $(VENV)/bin
 # One thread each: the suite runs in two processes, and the default solver is sequential.
 THREADS = OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1
 
-.PHONY: demo gallery test validate random-sheets external notebooks docs lint clean
+.PHONY: demo gallery test validate random-sheets external packaging notebooks docs lint clean
 
 demo: $(VENV)/ready
 	$(BIN)/kirigami demo --folder demo
@@ -31,6 +31,11 @@ random-sheets: $(VENV)/installed
 external: $(VENV)/installed
 	$(BIN)/python -m pip install --quiet openseespy pyvista build
 	$(THREADS) MPLBACKEND=Agg $(BIN)/python -m pytest -m external
+
+# Wheel and source distribution in fresh environments: no extra, each alone, and all Python versions that are here.
+PYTHONS ?= $(PYTHON)
+packaging:
+	CHECK=extras tools/check_packaging.sh $(PYTHONS)
 
 notebooks: $(VENV)/docs-installed
 	$(BIN)/python tools/notebooks.py notebooks

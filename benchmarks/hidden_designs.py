@@ -64,7 +64,7 @@ def ribbon(searched, values):
 def forces(design):
     """The curve, walked from flat."""
     res = design.walk(LAMS, tol=1e-10)
-    return np.array([res.reaction("driven_0", "y")[int(np.argmin(np.abs(res.lam - lam)))] for lam in LAMS])
+    return np.array([res.reaction("driven_0", "y")[res.nearest(lam)] for lam in LAMS])
 
 
 def hidden_and_start(seed):

@@ -76,7 +76,7 @@ def pull(sheet: str, seed: int, run: str) -> dict[str, str]:
     row |= {"cpu_seconds": f"{time.process_time() - began:.1f}", "factorizations": str(res.stats["factorizations"])}
     row |= {"end": f"{res.lam[-1]:.4g}", "snaps": " ".join(f"{event.lam:.5g}" for event in snaps)}
     energy = np.sum(list(res.energy.values()), axis=0)
-    steps = [int(np.argmin(np.abs(res.lam - point))) for point in POINTS]
+    steps = [res.nearest(point) for point in POINTS]
     for point, step in zip(POINTS, steps):
         row[f"energy {point:g}"] = f"{energy[step]:.8e}" if abs(res.lam[step] - point) < 1e-9 else ""
     SHAPES.mkdir(parents=True, exist_ok=True)

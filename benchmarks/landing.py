@@ -113,7 +113,7 @@ def pull(sheet: str, run: str) -> dict[str, str]:
     row |= {"factorizations": str(res.stats["factorizations"]), "end": f"{res.lam[-1]:.4g}"}
     row["events"] = "; ".join(f"{e.kind} {e.bracket[0]:.6g} {e.bracket[1]:.6g}" for e in res.events)
     energy = np.sum(list(res.energy.values()), axis=0)
-    steps = [int(np.argmin(np.abs(res.lam - point))) for point in POINTS]
+    steps = [res.nearest(point) for point in POINTS]
     for point, step in zip(POINTS, steps):
         row[f"energy {point:g}"] = f"{energy[step]:.8e}" if abs(res.lam[step] - point) < 1e-9 else ""
     SHAPES.mkdir(parents=True, exist_ok=True)

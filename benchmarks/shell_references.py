@@ -137,7 +137,7 @@ def run(case: str, level: str, stiffness: str) -> dict[str, float]:
     }
     values = quantities(results, driven, axis)
     for lam in known.at:
-        step = int(np.argmin(np.abs(results.lam - lam)))
+        step = results.nearest(lam)
         row |= {f"{name} at {lam:g}": float(values[name][step]) for name in QUANTITIES}
         row[f"stable at {lam:g}"] = float(results.stable[step])
     return row

@@ -36,7 +36,7 @@ def strip() -> kg.Design:
 def measured(hidden: kg.Design) -> np.ndarray:
     """Forces of the hidden strip, with noise."""
     res = hidden.walk(AT, tol=1e-10)
-    force = np.array([res.reaction("driven_0", "y")[int(np.argmin(abs(res.lam - lam)))] for lam in AT])
+    force = np.array([res.reaction("driven_0", "y")[res.nearest(lam)] for lam in AT])
     return force + NOISE * force.max() * np.random.default_rng(0).normal(size=len(AT))
 
 

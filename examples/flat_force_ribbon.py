@@ -58,7 +58,7 @@ def main(folder: Path) -> kg.InverseResult:
     """Find the lengths, tell what came of it, and write picture and drawing."""
     start = ribbon()
     res = start.walk(AT)
-    before = np.array([res.reaction("driven_0", "y")[int(np.argmin(abs(res.lam - lam)))] for lam in AT])
+    before = np.array([res.reaction("driven_0", "y")[res.nearest(lam)] for lam in AT])
     print("forces of the start [N]:", before.round(3))
     problem = kg.Inverse(start, (FORCE, AT, PLATEAU), evaluations=15, path=folder / "ribbon.json")
     found = problem.run(progress=True)

@@ -51,7 +51,7 @@ def outputs(angle: float, force: float = 10.0, joint: float = JOINT) -> np.ndarr
     rows = []
     for state, read, inward in (("A", right, 1.0), ("B", left, -1.0)):
         results = transmit(angle, state, force, joint)
-        kept = [int(np.argmin(np.abs(results.lam - target))) for target in np.linspace(0, 1, 11)]
+        kept = [results.nearest(target) for target in np.linspace(0, 1, 11)]
         rows.append(inward * results.u[kept, read, 0])
     return np.column_stack([force * np.linspace(0, 1, 11), *rows])
 

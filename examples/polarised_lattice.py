@@ -81,7 +81,7 @@ def push(
     targets = np.asarray(pushes) / pushes[-1]
     results = kg.DisplacementControl(model, targets=targets, tol=1e-7).run()
     force = inward * results.reaction(middle, "y")
-    return [float(force[np.argmin(np.abs(results.lam - target))]) for target in targets], results
+    return [float(force[results.nearest(target)]) for target in targets], results
 
 
 def contrast(angle: float, columns: int, rows: int, uniform: bool = False, clean: bool = True) -> float:

@@ -103,7 +103,7 @@ def pictures() -> None:
     piece, results, _, along, _ = stretch(angle=0.3, strain=0.22, cells=3)
     figure, axes = plt.subplots(1, 3, figsize=(10, 3.8), layout="constrained")
     for ax, part in zip(axes, (0.0, 0.3, 1.0)):
-        step = int(np.argmin(np.abs(results.lam - part)))
+        step = results.nearest(part)
         plot_results_panels(piece, results, step, ax=ax)
         ax.set_title(f"strain {along[step]:.2f}", fontsize="medium")
     figure.savefig("rotating_squares.png", dpi=150)

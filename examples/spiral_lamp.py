@@ -65,7 +65,7 @@ def drop_of_spring(share: float) -> float:
 
 def drop(results: kg.Results, share: float) -> float:
     """How far the rim hangs below the middle, on average, at a share of the weight."""
-    step = int(np.argmin(np.abs(results.lam - share)))
+    step = results.nearest(share)
     assert np.isclose(results.lam[step], share)
     rim = np.hypot(*results.rest[:, :2].T) > RADIUS - 1e-6
     return float(-results.u[step, rim, 2].mean())

@@ -9,6 +9,8 @@
 # truss, mesh and draw a cut sheet, and answer on the command line.
 #
 # CHECK=suite also installs the extras and runs the docstring examples and the core tests of the source distribution.
+# CHECK=extras also makes an environment without any extra and one for each extra alone, and runs in each the first
+# script of the README and the command line on a drawing.
 # Needs a package index. Leaves nothing behind.
 set -eu
 
@@ -114,6 +116,48 @@ use() { # name, environment, constraints on versions
     echo "$1: $("$2/bin/python" -m pip list 2>/dev/null | grep -E '^(numpy|scipy|shapely|triangle|matplotlib) ' |
         awk '{printf "%s %s  ", $1, $2}')"
 }
+
+newcomer() { # name, environment: what the README shows first, and a drawing
+    cd "$work"
+    printed=$("$2/bin/python" -W ignore "$work/readme.py") || fail "$1: the README's first script failed"
+    rm -rf "$work/report"
+    # Strong paper, a slit of a third of its width, two per cent: seconds.
+    quietly "$2/bin/kirigami" info "$work/sheet.geojson" --thickness 0.2mm
+    quietly "$2/bin/kirigami" stretch "$work/sheet.geojson" --thickness 0.2mm --E 3.5GPa --strain 2% \
+        --accuracy draft --nodes 300 --folder "$work/report"
+    for file in report.json curves.csv results.npz; do
+        test -s "$work/report/$file" || fail "$1: no $file was written"
+    done
+    cd "$root"
+    echo "$1: $printed; $(ls "$work/report" | tr '\n' ' ')"
+}
+
+if [ "${CHECK:-}" = extras ]; then
+    awk '/^```python/ {on = 1; next} /^```/ {if (on) exit} on' "$root/README.md" >"$work/readme.py"
+    cat >"$work/sheet.geojson" <<'SHEET'
+{"type": "FeatureCollection", "properties": {"unit": "mm"}, "features": [
+ {"type": "Feature", "properties": {"role": "outline"}, "geometry":
+  {"type": "Polygon", "coordinates": [[[0, 0], [100, 0], [100, 80], [0, 80], [0, 0]]]}},
+ {"type": "Feature", "properties": {"role": "cut"}, "geometry":
+  {"type": "LineString", "coordinates": [[30, 40], [70, 40]]}}]}
+SHEET
+    extras=$(cd "$work" && "$1" -c '
+import sys, zipfile
+with zipfile.ZipFile(sys.argv[1]) as wheel:
+    (name,) = [name for name in wheel.namelist() if name.endswith("/METADATA")]
+    lines = wheel.read(name).decode().splitlines()
+print(*[line.split()[1] for line in lines if line.startswith("Provides-Extra") and line.split()[1] not in ("dev", "docs")])
+' "$wheel")
+    quietly "$1" -m venv "$work/bare"
+    quietly "$work/bare/bin/python" -m pip install --only-binary :all: "$wheel"
+    newcomer "without extras" "$work/bare"
+    for extra in $extras; do
+        quietly "$1" -m venv "$work/extra_$extra"
+        quietly "$work/extra_$extra/bin/python" -m pip install --only-binary :all: "$wheel[$extra]"
+        newcomer "extra $extra alone" "$work/extra_$extra"
+        rm -rf "$work/extra_$extra"
+    done
+fi
 
 count=0
 for python in "$@"; do

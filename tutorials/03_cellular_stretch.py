@@ -79,7 +79,7 @@ print(results.summary())
 figure = plt.figure(figsize=(10, 4.2), layout="constrained")
 for position, factor in enumerate((0.05, 0.5, 1.0), start=1):
     ax = figure.add_subplot(1, 3, position, projection="3d")
-    results.plot(step=int(np.argmin(np.abs(results.lam - factor))), ax=ax, colorbar=False)
+    results.plot(step=results.nearest(factor), ax=ax, colorbar=False)
     ax.set_title(f"strain {PULL * factor / 2:.0%}")
 plt.show()
 

@@ -47,7 +47,7 @@ class Branch:
         found = []
         model = res.model
         for lam in self.lams:
-            step = res[int(np.argmin(np.abs(res.lam - lam)))]
+            step = res[res.nearest(lam)]
             if abs(step.lam - lam) > 1e-9 * max(1.0, abs(lam)):
                 raise AnalysisError(f"Inverse: the walk from flat did not store load factor {lam:.6g}", results=res)
             system = prepared(model, step.history)

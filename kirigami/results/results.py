@@ -11,7 +11,14 @@ from numpy.typing import ArrayLike, NDArray
 
 from kirigami.deferred import deferred
 from kirigami.errors import AnalysisError, ModelError
-from kirigami.primitives.checks import require_array, require_axis, require_boolean, require_text, require_whole
+from kirigami.primitives.checks import (
+    require_array,
+    require_axis,
+    require_boolean,
+    require_finite,
+    require_text,
+    require_whole,
+)
 from kirigami.primitives.kernel import Array, Configuration, Kernel, hessian_product
 from kirigami.primitives.node import AXES, Node
 from kirigami.results.linearised import NEAR, linear_contribution, linear_force
@@ -105,6 +112,26 @@ class Results(ModelRecord):
                 f"{owner}: step {number} is not stored: the results hold steps 0 to {count - 1}, or -{count} to -1"
             )
         return number
+
+    def nearest(self, load_factor: float) -> int:
+        """Number of the first step whose load factor is nearest to one that is asked for.
+
+        A run stores what it passes; steps at exactly these load factors are what ``targets`` of an analysis asks for.
+
+        Examples
+        --------
+        >>> import kirigami as kg
+        >>> m = kg.Model(dim=2)
+        >>> a, b = m.add(kg.Node(0, 0), kg.Node(1, 0))
+        >>> objects = m.add(kg.Bar(a, b, EA=10.0), kg.Fix(a), kg.Fix(b, "y"), kg.NodalLoad(b, (1, 0)))
+        >>> results = kg.LoadControl(m, targets=[0.25, 1.0]).run()
+        >>> float(results.lam[results.nearest(0.3)])
+        0.25
+        """
+        wanted = require_finite(load_factor, "load_factor", "Results.nearest")
+        if not self.steps:
+            raise ModelError("Results.nearest: no step is stored")
+        return int(np.argmin(np.abs(self.lam - wanted)))
 
     def append(self, step: Step) -> None:
         """Store one more step; derived quantities are computed anew when asked for."""

@@ -326,7 +326,7 @@ def measured(
     }
     values = quantities(results, nodes, axis)
     for lam in targets:
-        step = int(np.argmin(np.abs(results.lam - lam)))
+        step = results.nearest(lam)
         found = {_column(quantity, lam): float(values[quantity][step]) for quantity in QUANTITIES}
         row |= {name: value for name, value in found.items() if np.isfinite(value)}  # no cuts, no open area
         row[_column("shape", lam)] = shape_print(results, step)

@@ -352,6 +352,7 @@ CALLS: dict[str, Callable[[], Call]] = {
     "Results.gradient": lambda: (results().gradient, {"functional": ("energy",), "wrt": "thickness", "step": -1}),
     "Results.height": lambda: (results().height, {}),
     "Results.node_index": lambda: (results().node_index, {"nodes": [0, 1]}),
+    "Results.nearest": lambda: (results().nearest, {"load_factor": 0.5}),
     "Results.open_area": lambda: (results().open_area, {}),
     "Results.plot": lambda: (results().plot, {}),
     "Results.plot_curve": lambda: (results().plot_curve, {"nodes": [0, 1], "axis": "z"}),

@@ -113,7 +113,7 @@ def test_a_heavy_strip_hangs_as_the_elastica():
     model.add(kg.Gravity((0, 0, -80 * rigidity / (material.density * thickness))))
     results = kg.LoadControl(model, targets=[5 / 80, 20 / 80, 1.0]).run()
     for weight in (5, 20, 80):
-        step = int(np.argmin(np.abs(results.lam - weight / 80)))
+        step = results.nearest(weight / 80)
         along, down = heavy_elastica(weight)
         end = results.position(right)[step].mean(axis=0)
         assert end[[0, 2]] == pytest.approx([along, down], abs=2e-3)

@@ -30,7 +30,7 @@ def pulled(rung, nodes=4000):
     bottom, top = model.select(boundary="bottom"), model.select(boundary="top")
     model.add(kg.Fix(bottom, clamp=True), kg.Prescribe(top, x=0, y=39.5, z=0, clamp=True))
     results = kg.DisplacementControl(model, targets=FORCE[:, 0] / 39.5).run()
-    rows = [int(np.argmin(np.abs(results.lam - way / 39.5))) for way in FORCE[:, 0]]
+    rows = [results.nearest(way / 39.5) for way in FORCE[:, 0]]
     return Found(results.reaction(top, "y")[rows], results)
 
 

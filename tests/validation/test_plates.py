@@ -69,7 +69,7 @@ def large(rung):
     model, mesh = held_plate(rung, shapely.box(0, 0, 1, 1), True, kg.Material(1e6, 0.316))
     model.add(kg.AreaLoad((0, 0, 402.0 * 1e6 * THICKNESS**4)))
     results = kg.LoadControl(model, targets=LEVY[:, 0] / 402.0).run()
-    rows = [int(np.argmin(np.abs(results.lam - load / 402.0))) for load in LEVY[:, 0]]
+    rows = [results.nearest(load / 402.0) for load in LEVY[:, 0]]
     return Found([middle_of(model, results.u[row], 0.5) / THICKNESS for row in rows], results)
 
 

@@ -47,7 +47,7 @@ HINGES = "hinges resist twisting up to twice as much as the sheet does"
 
 def probed(results, table, probes):
     """Displacements (number, axis, sign) at the load factors of a table."""
-    rows = [int(np.argmin(np.abs(results.lam - load))) for load in table[:, 0]]
+    rows = [results.nearest(load) for load in table[:, 0]]
     return [[sign * results.u[row, number, axis] for number, axis, sign in probes] for row in rows]
 
 
@@ -58,7 +58,7 @@ def cantilever(rung):
     end = [nodes[k] for k in at[-1]]
     model.add(kg.Fix([nodes[k] for k in at[0]], clamp=True), kg.EdgeLoad(end, (0, 0, 4.0)))
     results = kg.LoadControl(model, targets=CANTILEVER[:, 0]).run()
-    rows = [int(np.argmin(np.abs(results.lam - load))) for load in CANTILEVER[:, 0]]
+    rows = [results.nearest(load) for load in CANTILEVER[:, 0]]
     return Found(
         [(-results.u[row, at[-1], 0].mean(), results.u[row, at[-1], 2].mean()) for row in rows], results
     )

@@ -44,7 +44,7 @@ def elastica(rung):
     model.add(kg.EdgeLoad([nodes[k] for k in at[-1]], (-critical, 0, 0)))
     model.perturb(np.column_stack([0 * points[:, :2], (points[:, 0] / length) ** 2]), amplitude=1e-5 * length)
     results = kg.LoadControl(model, to=4.029, targets=ELASTICA[:, 0], step=0.05).run()
-    rows = [int(np.argmin(np.abs(results.lam - load))) for load in ELASTICA[:, 0]]
+    rows = [results.nearest(load) for load in ELASTICA[:, 0]]
     tip = results.u[rows][:, at[-1]].mean(axis=1) / length
     return Found(np.stack([1 + tip[:, 0], np.abs(tip[:, 2])], axis=1), results)
 
@@ -76,7 +76,7 @@ def rolled_strip(rung):
     model.add(kg.Fix([nodes[k] for k in at[1:].ravel()], "y"))
     model.add(kg.EdgeMoment([nodes[k] for k in at[-1]], -50 * np.pi / 3))
     results = kg.LoadControl(model, targets=[0.25, 0.5], step=0.05).run()
-    rows = [int(np.argmin(np.abs(results.lam - load))) for load in (0.25, 0.5)]
+    rows = [results.nearest(load) for load in (0.25, 0.5)]
     tip = results.u[rows][:, at[-1]].mean(axis=1)
     assert np.abs(results.u[-1, at[-1]] - (-12, 0, 0)).max() < 0.01 * 12  # a whole circle ends where it begins
     return Found(np.stack([-tip[:, 0], np.abs(tip[:, 2])], axis=1), results)
