@@ -76,6 +76,26 @@ print(
 )
 
 # %% [markdown]
+# ## A cell of a sheet that bends
+#
+# What is no mechanism but an elastic sheet has a cell as well, which may leave the plane. `CellSheet` repeats each slit
+# by the lattice and meshes opposite sides alike. The cell tells the stiffness of the endless sheet, and at which strain
+# and in which wave it buckles: here in one along the slits, as long as any that was looked at, in which the sheet also
+# bends as a whole; the strain goes with the thickness squared.
+
+# %%
+slits = [[(-6, 2.5), (6, 2.5)], [(4, 7.5), (16, 7.5)]]
+onset = {}
+for thickness in (0.1, 0.05):
+    sheet = kg.CellSheet([(20, 0), (0, 10)], slits, thickness, kg.Material(E=4000.0, nu=0.3))
+    sheet_cell = PeriodicCell(kg.Model.from_mesh(sheet.mesh(10.0, 5.0), stiffness="facet"), sheet.lattice)
+    found = sheet_cell.buckling((None, 1.0, 0.0))  # strains along x, along y, of shear: free, driven, none
+    onset[thickness] = found.strain[1]
+    stretching = np.diag(sheet_cell.section())[:2] / (4000.0 * thickness)
+    print(f"thickness {thickness}: {found}; along and across the slits {stretching.round(3)} of E t")
+print(f"twice as thick, {onset[0.1] / onset[0.05]:.3f} times the strain: bending resists with the cube")
+
+# %% [markdown]
 # ## A lattice at the brink of rigidity
 #
 # Equilateral and scalene triangles: six bars and six coordinates a cell. The cell has one uniform motion, its twist.

@@ -46,6 +46,15 @@ class Constraint(ModelObject):
     leaders: tuple[Node, ...] = ()
     mirror: str = ""  # the axis across a plane of symmetry
 
+    def __getstate__(self) -> dict[str, Any]:
+        """All there is to a constraint of any class, so that copies are whole: a dataclass knows but its own fields."""
+        names = [name for cls in type(self).__mro__ for name in getattr(cls, "__slots__", ())]
+        return {name: getattr(self, name) for name in names if hasattr(self, name)}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        for name, value in state.items():
+            object.__setattr__(self, name, value)
+
     @property
     def values(self) -> Mapping[str, Array]:
         """Displacement, or difference from the leaders, of each node (number of nodes,) by axis; not to be edited."""

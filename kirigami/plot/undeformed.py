@@ -247,6 +247,7 @@ class _Sketch:
     def supports(self, model: Model) -> None:
         """Fixed, driven and tied nodes; on a sheet, the facets between them."""
         from kirigami.model.constraints import Prescribe, Tie
+        from kirigami.model.periodic import Periodic
         from kirigami.model.turn import Turn
 
         driven = []
@@ -258,6 +259,8 @@ class _Sketch:
                 driven.append((nodes, axes, item))
             elif isinstance(item, Tie):
                 self._mark(model, nodes, "x", style.GREY, f"tied {axes}")
+            elif isinstance(item, Periodic):
+                self._mark(model, nodes, "x", style.GREY, "repeats another node")
             else:
                 fixed.update({node: fixed.get(node, "") + axes for node in nodes.tolist()})
         for axes in sorted(set(map("".join, map(sorted, fixed.values()))), key=len, reverse=True):
