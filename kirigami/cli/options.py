@@ -13,7 +13,7 @@ from typing import Any
 from kirigami import units
 from kirigami.errors import ModelError
 
-READING = ("drawn_in", "outline", "cuts", "folds", "ignore", "tolerance", "part", "frame")
+READING = ("drawn_in", "outline", "cuts", "folds", "ignore", "regions", "tolerance", "part", "frame")
 LARGEST = {"length": 1e9, "stress": 1e18, "force": 1e12, "density": 1e9, "ratio": 1e6}  # SI; beyond, it is a slip
 WORDS = {"allow_parts=True": "--part 1"}  # what Python calls otherwise
 PYTHON = (  # what only a script can do, and what it calls otherwise
@@ -49,7 +49,7 @@ def add_reading(parser: argparse.ArgumentParser) -> None:
     group.add_argument("--drawn-in", metavar="UNIT", help="unit of the drawing: mm, cm, in, ...")
     for name, what in (
         ("outline", "the rim of the sheet"), ("cuts", "what is cut"), ("folds", "what is folded, not cut"),
-        ("ignore", "what to leave out"),
+        ("ignore", "what to leave out"), ("regions", "closed curves that bound regions, not cut"),
     ):  # fmt: skip
         group.add_argument(f"--{name}", action="append", metavar="LAYER", help=f"layer or colour of {what}")
     group.add_argument(

@@ -47,6 +47,7 @@ examples:
   kirigami stretch plate.dxf --thickness 0.1mm --E 3.5GPa --strain 5% --twist 90
   kirigami stretch miura.fold --thickness 0.2mm --E 3GPa --fold-angle 40 --strain 10% --direction x
   kirigami stretch spiral.svg --thickness 0.3mm --E 2GPa --hold rim --lift centre 40mm
+  kirigami stretch plate.svg --thickness 0.1mm --E 3.5GPa --region stiff thickness=0.3mm E=70GPa
   kirigami stretch plate-stretched/case.json --nodes 3000 --compare measured.csv
 
 Ends with 0 where the whole way was gone, 1 where the path ended early (what was found is
@@ -83,6 +84,14 @@ def add(commands: Any) -> None:
     )
     sheet.add_argument(
         "--density", type=quantity("density", "positive"), metavar="DENSITY", help="such as 1390kg/m3, for its weight"
+    )
+    sheet.add_argument(
+        "--region",
+        nargs="+",
+        action="append",
+        metavar=("LAYER", "NAME=VALUE"),
+        help="what is different within the closed curves of a layer or colour: some of thickness=, E=, nu= and "
+        "density=; may be given again",
     )
     pull = parser.add_argument_group("what is done")
     pull.add_argument(
@@ -205,6 +214,9 @@ def _job(options: argparse.Namespace) -> Any:
     missing = [f"--{name}" for name in ("thickness", "E") if name not in values]
     if missing:
         options.wrong_usage(f"the following arguments are required: {', '.join(missing)}")
+    if options.region:
+        made = {layer: _of_region(*pairs) for layer, *pairs in options.region}
+        values["regions"] = {**values.get("regions", {}), **made}
     values["reading"] = {**values.get("reading", {}), **reading(options)}
     said: dict[str, Any] = {
         name: value
@@ -223,7 +235,17 @@ def _job(options: argparse.Namespace) -> Any:
         values["case"] = LoadCase(**{**(case.values() if case is not None else {}), **said})
     except ModelError as error:
         options.wrong_usage(in_words_of_the_command(str(error)))
-    return Job(**values)
+    try:
+        return Job(**values)
+    except ModelError as error:
+        if not options.region:
+            raise
+        options.wrong_usage(in_words_of_the_command(str(error)))
+
+
+def _of_region(*made: str) -> dict[str, Any]:
+    """What is different in a region, as NAME=VALUE says it."""
+    return {name: value for name, _, value in (text.partition("=") for text in made)}
 
 
 def _length(text: str) -> float:

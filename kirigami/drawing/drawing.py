@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import warnings
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
@@ -16,6 +16,7 @@ from kirigami.drawing.curves import Curve, Floats, counted, lines_of
 from kirigami.drawing.gaps import short_of
 from kirigami.drawing.joining import chained, led_together, without_doubles, without_specks
 from kirigami.drawing.measure import Measure
+from kirigami.drawing.regions import drawn_regions
 from kirigami.drawing.rim import Rim, crossing_text, find_rim, left_out_text
 from kirigami.drawing.roles import Roles, Row, color_name, listing, side_of_name, table_lines, table_of
 from kirigami.drawing.strokes import NONE, Ink
@@ -68,6 +69,8 @@ class Drawing:
         The colours it was drawn in.
     page : tuple of float, optional
         Left, bottom, right and top of the page it was drawn on.
+    regions : mapping of str to shapely Polygon or MultiPolygon
+        The areas of the layers and colours that were to be regions, by these names.
     """
 
     outline: Any
@@ -82,6 +85,7 @@ class Drawing:
     circles: Floats = field(default_factory=lambda: NONE, repr=False)
     ink: Ink = field(default_factory=Ink, repr=False)
     page: tuple[float, float, float, float] | None = field(default=None, repr=False)
+    regions: Mapping[str, Any] = field(default_factory=dict, repr=False)
 
     @property
     def report(self) -> str:
@@ -129,7 +133,7 @@ class Drawing:
             require_not_negative(fold_stiffness, "fold_stiffness", "Drawing.sheet", GeometryError)
         shares = self.fold_shares if any(self.fold_shares) else (1.0,) * len(self.folds)
         folds = [Fold(line, fold_angle * share, fold_stiffness) for line, share in zip(self.folds, shares)]
-        return Sheet(self.outline, self.cuts, thickness, material, folds)
+        return Sheet(self.outline, self.cuts, thickness, material, folds, self.regions)
 
 
 def assemble(
@@ -183,7 +187,7 @@ def assemble(
         curve.taken_as(role, k, (curve.fold or side[curve.layer]) if role == "fold" else 0.0)
         for k, (curve, role) in enumerate(zip(curves, roles_of))
     ]
-    kept = [curve for curve in sorted_ones if curve.role != "ignore"]
+    kept = [curve for curve in sorted_ones if curve.role not in ("ignore", "region")]
     if not kept:
         raise GeometryError(f"the drawing holds no curves to use; there are {listing(curves)}")
     everything = np.concatenate([curve.points for curve in kept])
@@ -195,6 +199,8 @@ def assemble(
         raise GeometryError("the drawing has no extent: all its points coincide")
     measure = Measure(unit, shown or unit, size)
     gap = _gap(tolerance, size, unit)
+    bounded = [curve for curve in sorted_ones if curve.role == "region"]
+    regions = drawn_regions(bounded, roles.regions, gap, measure, said)
     raw = without_doubles(without_specks(kept, gap, said), gap, said)
     groups = _joined(raw, gap, said)
     rim, hole_curves = _found_rim(groups, raw, gap, measure, part, bounded_by_folds, said)
@@ -253,6 +259,7 @@ def assemble(
     kept_cuts = [curve for curve in cuts.inside if id(curve) not in vain]
     became |= {number: "cut" for curve in kept_cuts for number in curve.numbers if number not in became}
     became |= {number: "fold" for curve in folds.inside for number in curve.numbers if number not in became}
+    became |= {number: "region" for curve in bounded for number in curve.numbers}
     table = table_of(sorted_ones, became)
     fold_lines = tuple(shapely.LineString(curve.points) for curve in folds.inside)
     largest = max((abs(curve.fold) for curve in folds.inside), default=0.0) or 1.0
@@ -261,7 +268,7 @@ def assemble(
     left_out = tuple(lines_of(others))
     return Drawing(
         outline, tuple(shapes), fold_lines, unit, tuple(said), table, left_out, shares, tuple(sorted_ones),
-        circles_of(kept), ink, page,
+        circles_of(kept), ink, page, regions,
     )  # fmt: skip
 
 

@@ -36,6 +36,7 @@ def read_dxf(
     cuts: Names = None,
     folds: Names = None,
     ignore: Names = None,
+    regions: Names = None,
     unit: str = "m",
     drawn_in: str | None = None,
     tolerance: float | str = 1e-4,
@@ -60,6 +61,9 @@ def read_dxf(
         The file.
     outline, cuts, folds, ignore : str or list of str, optional
         Layers, or colours ("red", "#ff0000"), that hold each kind of curve.
+    regions : str or list of str, optional
+        Those whose closed curves are regions of the sheet of the same name, to give thickness, material or loads to;
+        they are not cut.
     unit : str
         Unit of length of the sheet: "m", "mm", ...
     drawn_in : str, optional
@@ -111,7 +115,7 @@ def read_dxf(
     says_unit = b"$INSUNITS" in path.read_bytes()
     stated = INSUNITS.get(document.header.get("$INSUNITS", 0)) if says_unit else None
     factor, unit = scale_of(unit, drawn_in, stated, notes)
-    roles = Roles(outline, cuts, folds, ignore)
+    roles = Roles(outline, cuts, folds, ignore, regions)
     reader = Reader(document, roles.names)
     seen = list(reader.curves(document.modelspace()))
     unseen = ", ".join(f"{number} on {why}" for why, number in reader.unseen.most_common())

@@ -33,6 +33,7 @@ def read_geojson(
     cuts: Names = None,
     folds: Names = None,
     ignore: Names = None,
+    regions: Names = None,
     unit: str = "m",
     drawn_in: str | None = None,
     tolerance: float | str = 1e-4,
@@ -49,6 +50,9 @@ def read_geojson(
         The file.
     outline, cuts, folds, ignore : str or list of str, optional
         Layers that hold each kind of curve.
+    regions : str or list of str, optional
+        Those whose closed curves are regions of the sheet of the same name, to give thickness, material or loads to;
+        they are not cut.
     unit : str
         Unit of length of the sheet: "m", "mm", ...
     drawn_in : str, optional
@@ -104,7 +108,7 @@ def read_geojson(
         color = color_name(str(properties.get("stroke") or ""))  # as simplestyle-spec has it
         for line in _lines(geometry, f"{path}, {source}"):
             curves.append(Curve(scaled(shapely.get_coordinates(line), factor), layer, color, source))
-    roles = Roles(outline, cuts, folds, ignore)
+    roles = Roles(outline, cuts, folds, ignore, regions)
     shown = drawn_in or data.get("unit")
     return assemble(curves, roles, unit=unit, tolerance=tolerance, notes=notes, shown=shown, part=part)
 

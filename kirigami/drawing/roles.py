@@ -63,13 +63,15 @@ class Roles:
     cuts: Names = None
     folds: Names = None
     ignore: Names = None
+    regions: Names = None
 
     def of(self, curves: Sequence[Curve]) -> list[str]:
-        """Role of each curve: "outline", "cut", "fold", "ignore", or "" where nothing says."""
+        """Role of each curve: "outline", "cut", "fold", "ignore", "region", or "" where nothing says."""
         asked: dict[str, str] = {}
         present = {name.casefold() for curve in curves for name in (curve.layer, curve.color) if name}
         for role, names in (
-            ("outline", self.outline), ("cut", self.cuts), ("fold", self.folds), ("ignore", self.ignore)
+            ("outline", self.outline), ("cut", self.cuts), ("fold", self.folds), ("ignore", self.ignore),
+            ("region", self.regions),
         ):  # fmt: skip
             for name in listed(names):
                 plain = color_name(name).casefold()
@@ -93,7 +95,7 @@ class Roles:
     @property
     def names(self) -> set[str]:
         """All names asked for, in small letters."""
-        groups = (self.outline, self.cuts, self.folds, self.ignore)
+        groups = (self.outline, self.cuts, self.folds, self.ignore, self.regions)
         return {name.casefold() for group in groups for name in listed(group)}
 
     def settle(self, inner: Sequence[Curve], rim: Sequence[Curve]) -> tuple[list[Curve], str]:

@@ -40,6 +40,7 @@ def read_svg(
     cuts: Names = None,
     folds: Names = None,
     ignore: Names = None,
+    regions: Names = None,
     unit: str = "m",
     drawn_in: str | None = None,
     tolerance: float | str = 1e-4,
@@ -61,6 +62,9 @@ def read_svg(
         The file.
     outline, cuts, folds, ignore : str or list of str, optional
         Layers, or stroke colours ("red", "#ff0000"), that hold each kind of curve.
+    regions : str or list of str, optional
+        Those whose closed curves are regions of the sheet of the same name, to give thickness, material or loads to;
+        they are not cut.
     unit : str
         Unit of length of the sheet: "m", "mm", ...
     drawn_in : str, optional
@@ -110,7 +114,7 @@ def read_svg(
     if not isinstance(document, list):
         raise GeometryError(f"{path} holds nothing that is shown")
     skipped: Counter[str] = Counter()
-    roles = Roles(outline, cuts, folds, ignore)
+    roles = Roles(outline, cuts, folds, ignore, regions)
     hidden: list[str] = []
     found = list(_shapes(document, _Place(), skipped, elements, roles.names, hidden))
     windows = Windows(document, elements, _points, notes)

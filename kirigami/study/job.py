@@ -40,6 +40,7 @@ PARTS = {
 QUANTITIES = {
     "thickness": "length", "E": "stress", "density": "density", "max_edge": "length", "imperfection": "length",
 }  # fmt: skip
+OF_REGIONS = {"thickness": "length", "E": "stress", "nu": "ratio", "density": "density"}
 
 
 @dataclass(frozen=True, eq=False)
@@ -70,6 +71,9 @@ class Job:
         Angle at which they rest [degrees]; see :meth:`kirigami.drawing.drawing.Drawing.sheet`.
     density : float or str, optional
         Of the material [kg / m^3], for its weight.
+    regions : dict of str to dict
+        What is different in regions of the sheet: by the name of a layer or colour of the drawing, whose closed curves
+        bound them, some of "thickness", "E", "nu" and "density".
 
     Examples
     --------
@@ -98,6 +102,7 @@ class Job:
     fold_stiffness: float | str | None = None
     fold_angle: float = 0.0
     density: float | str | None = None
+    regions: dict[str, dict[str, Any]] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         if not hasattr(self.drawing, "outline"):
@@ -110,6 +115,15 @@ class Job:
         for name, kind in QUANTITIES.items():
             if (value := getattr(self, name)) is not None or name in ("thickness", "E"):
                 units.parse(value, kind)
+        for name, values in require_mapping(self.regions, "regions", "Job").items():
+            require_mapping(values, f"region {name!r}", "Job")
+            for key, value in values.items():
+                if key not in OF_REGIONS:
+                    raise ModelError(f"Job: region {name!r} takes {', '.join(OF_REGIONS)}, not {key!r}")
+                try:
+                    units.parse(value, OF_REGIONS[key])
+                except ModelError as error:
+                    raise ModelError(f"Job: {key} of region {name!r}: {error}") from None
         if self.fold_stiffness is not None:
             require_not_negative(units.parse(self.fold_stiffness, "force"), "fold_stiffness", "Job")
         require_between(self.fold_angle, -180.0, 180.0, "fold_angle", "Job")
@@ -151,8 +165,11 @@ class Job:
         drawing = Path(os.path.relpath(Path(self.drawing).resolve(), target.resolve().parent))
         content: dict[str, Any] = {"kind": KIND, "drawing": drawing.as_posix()}
         for part, names in PARTS.items():
-            content[part] = {name: getattr(self, name) for name in names if getattr(self, name) not in (None, False)}
+            own = {name: getattr(self, name) for name in names}
+            content[part] = {name: value for name, value in own.items() if value is not None and value is not False}
         content["case"] = self.case.plain()
+        if self.regions:
+            content["regions"] = self.regions
         if self.reading:
             content["reading"] = self.reading
         with whole_file(target) as unfinished:
@@ -194,7 +211,7 @@ def read_case(path: Path) -> dict[str, Any]:
     content = read_json(path, "case")
     if not isinstance(content, dict) or content.get("kind") != KIND or not isinstance(content.get("drawing"), str):
         raise ModelError(f"{path} is no case file: it must say \"kind\": \"{KIND}\" and name a drawing")
-    known = ("kind", "drawing", *PARTS, "case", "reading")
+    known = ("kind", "drawing", *PARTS, "regions", "case", "reading")
     unknown = [name for name in content if name not in known]
     if unknown:
         raise ModelError(f"{path}: a case file has no entry {unknown[0]!r}: it has {', '.join(known)}")
@@ -204,6 +221,8 @@ def read_case(path: Path) -> dict[str, Any]:
         if not isinstance(entries, dict) or not set(entries) <= set(names):
             raise ModelError(f"{path}: {part!r} takes {', '.join(names)}, got {shown(entries)}")
         values |= entries
+    if "regions" in content:
+        values["regions"] = content["regions"]
     reading = content.get("reading", {})
     if not isinstance(reading, dict) or not all(isinstance(name, str) for name in reading):
         raise ModelError(f"{path}: 'reading' takes options of the reader, got {shown(reading)}")

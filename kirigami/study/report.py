@@ -8,7 +8,7 @@ import os
 import warnings
 from collections.abc import Callable
 from contextlib import suppress
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -20,8 +20,9 @@ from kirigami.drawing.convert import read_drawing
 from kirigami.drawing.roles import listed
 from kirigami.elements.crease import SCORE
 from kirigami.elements.stiffness import Calibration
-from kirigami.errors import AnalysisError, ConvergenceError, KirigamiError, KirigamiWarning
+from kirigami.errors import AnalysisError, ConvergenceError, KirigamiError, KirigamiWarning, ModelError
 from kirigami.files import whole_file
+from kirigami.primitives.checks import require_positive
 from kirigami.primitives.kernel import Array
 from kirigami.primitives.material import Material
 from kirigami.results.doubts import worth
@@ -30,7 +31,7 @@ from kirigami.results.fields import facet_strain
 from kirigami.results.results import Results
 from kirigami.results.smooth import known_stress, sectors
 from kirigami.results.step import Event
-from kirigami.study.job import Job
+from kirigami.study.job import OF_REGIONS, Job
 from kirigami.study.load_case import STRAIN, LoadCase
 from kirigami.study.measured import Comparison
 from kirigami.study.setting import set_up
@@ -220,6 +221,7 @@ def stretch_drawing(
     case: LoadCase | None = None,
     fold_stiffness: float | str | None = None,
     fold_angle: float = 0.0,
+    regions: dict[str, dict[str, Any]] | None = None,
     progress: bool = False,
     say: Callable[[str], None] = lambda note: None,
     **reading: Any,
@@ -253,6 +255,9 @@ def stretch_drawing(
         Moment per angle and length of the folds [N / rad]; None takes that of :class:`kirigami.Fold`.
     fold_angle : float
         Angle at which the folds rest [degrees]; see :meth:`kirigami.drawing.drawing.Drawing.sheet`.
+    regions : dict of str to dict, optional
+        What is different in regions, by the layers or colours that bound them, such as
+        ``{"stiff": {"thickness": "0.3mm", "E": "70GPa"}}``.
     say : callable
         Called with each note as soon as it is known, so that a slip shows before the path is followed.
     **reading
@@ -287,7 +292,7 @@ def stretch_drawing(
         case = LoadCase(units.parse(strain, "ratio"), direction, _length(grip), cycle=cycle)
     job = Job(
         drawing, thickness, E, nu, case, accuracy, nodes, max_edge, stiffness, imperfection, seed, shapes, reading,
-        fold_stiffness, fold_angle,
+        fold_stiffness, fold_angle, regions={} if regions is None else regions,
     )  # fmt: skip
     return run_job(job, progress, say)
 
@@ -310,6 +315,7 @@ def run_job(job: Job, progress: bool, say: Callable[[str], None]) -> Report:
     stiffness = None if job.fold_stiffness is None else units.parse(job.fold_stiffness, "force")
     angle = math.radians(job.fold_angle)
     material = Material(E=modulus, nu=job.nu, density=density)
+    of_regions = _of_regions(job, thick, material)
     sheet = drawn.sheet(thick, material, fold_stiffness=stiffness, fold_angle=angle)
     setting = set_up(case, sheet)
     grips, drive = setting.grips, setting.drives[0]
@@ -320,6 +326,8 @@ def run_job(job: Job, progress: bool, say: Callable[[str], None]) -> Report:
     if sheet.folds:
         note(_folds_in_words(sheet, thick, modulus, job.nu))
     note(f"thickness {units.show(thick, 'length')}, E {units.show(modulus, 'stress')}, nu {job.nu:g}")
+    for region, made in job.regions.items():
+        note(f"region {region!r}: {', '.join(f'{key} {value}' for key, value in made.items()) or 'as the rest'}")
     if case.weight and case.moves:
         note(f"under its own weight from the start, g = {case.weight:g} m/s2")
     back = " and back" if case.cycle else ""
@@ -338,7 +346,7 @@ def run_job(job: Job, progress: bool, say: Callable[[str], None]) -> Report:
         results = stretch(
             sheet, accuracy=job.accuracy, nodes=job.nodes, max_edge=_length(job.max_edge), stiffness=job.stiffness,
             amplitude=_length(job.imperfection), seed=job.seed, shapes=job.shapes, case=case, progress=progress,
-            say=note,
+            say=note, **of_regions,
         )  # fmt: skip
     except ConvergenceError as error:
         results = error.results
@@ -368,13 +376,36 @@ def _folds_in_words(sheet: Sheet, thickness: float, modulus: float, nu: float) -
 
 
 def _with_marks(job: Job) -> dict[str, Any]:
-    """The options of the reader, which leaves out the layers that are but places of the case."""
+    """The options of the reader, which takes the regions that have something of their own as such, and leaves out the
+    layers that are but places of the case."""
+    asked = dict(job.reading)
+    roles = ("outline", "cuts", "folds", "ignore", "regions")
+    told = {name.casefold() for key in roles for name in listed(asked.get(key))}
+    more = [name for name in job.regions if name.casefold() not in told]
+    if more:
+        asked["regions"] = [*listed(asked.get("regions")), *more]
+    told |= {name.casefold() for name in more}
     marks = [where.name for where in job.case.places if where.kind == "layer"]
-    if not marks:
-        return job.reading
-    told = {name.casefold() for key in ("outline", "cuts", "folds", "ignore") for name in listed(job.reading.get(key))}
     more = [name for name in dict.fromkeys(marks) if name.casefold() not in told]
-    return {**job.reading, "ignore": [*listed(job.reading.get("ignore")), *more]}
+    if more:
+        asked["ignore"] = [*listed(asked.get("ignore")), *more]
+    return asked
+
+
+def _of_regions(job: Job, thickness: float, material: Material) -> dict[str, Any]:
+    """Thickness and material of the rest of the sheet and of its regions, as :func:`stretch` takes them."""
+    if not job.regions:
+        return {}
+    heights: dict[str | None, float] = {None: thickness}
+    materials: dict[str | None, Material] = {None: material}
+    for name, given in job.regions.items():
+        values = {key: units.parse(value, OF_REGIONS[key]) for key, value in given.items()}
+        try:
+            heights[name] = require_positive(values.pop("thickness", thickness), "thickness", "the sheet")
+            materials[name] = replace(material, **values)
+        except ModelError as error:
+            raise ModelError(f"region {name!r}: {error}") from None
+    return {"thickness": heights, "material": materials}
 
 
 def _shapes_in_numbers(results: Results) -> dict[str, Any]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import warnings
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -60,8 +60,8 @@ def stretch(
     direction: str | float = "y",
     accuracy: str = "standard",
     *,
-    thickness: float | None = None,
-    material: SheetMaterial | None = None,
+    thickness: float | Mapping[str | None, float] | None = None,
+    material: SheetMaterial | Mapping[str | None, SheetMaterial] | None = None,
     cycle: bool = False,
     grip: float | None = None,
     nodes: int | None = None,
@@ -93,10 +93,10 @@ def stretch(
     accuracy : {"draft", "standard", "fine"}
         How much to pay for: the stiffness, the budget of mesh nodes and the residual, each of which can be given by
         itself as well. What bars and hinges cannot stand for is shell facets in a draft, too.
-    thickness : float, optional
-        Of the sheet [length]; None takes the sheet's own.
-    material : Material, optional
-        None takes the sheet's own.
+    thickness : float or mapping of str to float, optional
+        Of the sheet [length], or of its regions by name and, under None, of the rest; None takes the sheet's own.
+    material : Material or mapping of str to Material, optional
+        The same.
     cycle : bool
         Go there and back again.
     grip : float, optional
@@ -161,7 +161,9 @@ def stretch(
     if nodes is not None:
         require_whole(nodes, "nodes", "stretch", least=1)
     level = _level(accuracy)
-    sheet = _checked(sheet, thickness, material)
+    regional: dict[str, Any] = {name: given for name, given in (("thickness", thickness), ("material", material))
+                                if isinstance(given, Mapping)}  # fmt: skip
+    sheet = _checked(sheet, _of_the_rest(thickness), _of_the_rest(material))
     setting = set_up(case, sheet)
     for words in setting.told:
         say(words)
@@ -169,10 +171,12 @@ def stretch(
     say(f"{len(mesh.nodes)} nodes, {len(mesh.triangles)} facets" if mesh.sizing is None else f"mesh: {mesh.sizing}")
     if stiffness is None:
         stiffness = level.stiffness
-        if sheet.material is not None and not sheet.material.isotropic and stiffness != "shell":
+        materials = [sheet.material, *regional.get("material", {}).values()]
+        directed = next((one for one in materials if isinstance(one, SheetMaterial) and not one.isotropic), None)
+        if directed is not None and stiffness != "shell":
             stiffness = "shell"
-            say(f"shell facets, since bars and hinges cannot stand for {type(sheet.material).__name__}")
-    model = Model.from_mesh(mesh, stiffness=stiffness)
+            say(f"shell facets, since bars and hinges cannot stand for {type(directed).__name__}")
+    model = Model.from_mesh(mesh, stiffness=stiffness, **regional)
     chosen = setting.hold(model)
     model.imperfect(amplitude, seed=seed)
     start = None
@@ -241,6 +245,11 @@ def _level(accuracy: str) -> Level:
     return ACCURACY[accuracy]
 
 
+def _of_the_rest(given: Any) -> Any:
+    """What a property is outside of the regions that have one of their own."""
+    return given.get(None) if isinstance(given, Mapping) else given
+
+
 def _checked(sheet: Sheet, thickness: float | None, material: SheetMaterial | None) -> Sheet:
     """The sheet with its thickness and material."""
     if not isinstance(sheet, Sheet):
@@ -296,10 +305,16 @@ def _short_of(error: ConvergenceError, drive: Drive, cycle: bool) -> Convergence
 def material_strain(results: Results, sheet: Sheet) -> Array:
     """Mean strain of the material (s,), sqrt(2 U / (E V)) with U the stored energy and V the volume of the sheet; of
     one that is not isotropic in the stiffer direction."""
-    assert sheet.material is not None and sheet.thickness is not None
+    mesh = results.mesh
+    assert mesh is not None and results.thickness is not None and results.material is not None
+    count = len(mesh.triangles)
+    heights = np.broadcast_to(results.thickness, (count,)).tolist()
+    materials = results.material if isinstance(results.material, tuple) else (results.material,) * count
+    each = {kind: uniaxial_stiffness(kind[0].section(kind[1])) for kind in set(zip(materials, heights))}
+    shares = mesh.facet_areas / mesh.facet_areas.sum()
+    stiffness = float(sum(share * each[kind] for share, kind in zip(shares.tolist(), zip(materials, heights))))
     stored = [values for name, values in results.energy.items() if name not in ("dissipated", "kinetic")]
     energy = np.sum(stored, axis=0)
-    stiffness = uniaxial_stiffness(sheet.material.section(sheet.thickness))
     strain: Array = np.sqrt(np.maximum(2 * energy / (stiffness * sheet.area), 0.0))
     return strain
 

@@ -95,6 +95,7 @@ ACCEPTED: dict[tuple[str, str], tuple[str, tuple[str, ...]]] = {
     ("LoadCase", "lift"): ("nothing lifted", ("dict", "empty list", "empty array")),
     ("LoadCase.from_plain", "kept"): ("a pull as usual", ("dict",)),
     ("study.Job", "reading"): ("no options", ("dict",)),
+    ("study.Job", "regions"): ("none", ("dict",)),
     **dict.fromkeys(
         (("study.Job", "thickness"), ("study.Job", "E"), ("study.Job", "max_edge"), ("study.Job", "imperfection"),
          ("study.Job", "density"), ("study.Job", "fold_stiffness")),
