@@ -25,7 +25,7 @@ from numpy.typing import NDArray
 from kirigami.elements.bend_hinge import BendHingeKernel
 from kirigami.elements.edge_turn import EdgeTurn
 from kirigami.elements.natural import NaturalKernel
-from kirigami.primitives.kernel import EXACT, Array, Contribution, Tangent, full_hessian
+from kirigami.primitives.kernel import EXACT, Array, CompiledKernel, Contribution, Tangent, full_hessian
 from kirigami.primitives.sensitivity import by_rest_differences
 
 Index = NDArray[np.int64]
@@ -90,6 +90,16 @@ class HeldEdgeKernel(NaturalKernel):
         self._folds = BendHingeKernel(
             rest, conn[fold_of[:, None], fold_at], np.ones(count), np.full(count, np.nan)
         )
+
+    def compiled(self) -> CompiledKernel | None:
+        """Where each member is one turn of its own three nodes, as on sheets of bars and hinges."""
+        n = len(self.conn)
+        own = np.array_equal(self.turn_of, np.arange(n)) and self.conn.shape[1] == 3 and self.rest.shape[1] == 3
+        if not own or len(self.fold_of) or (self.turn_at != (0, 1, 2)).any() or (self.turn_weight != 1).any():
+            return None
+        from kirigami.elements.compiled import CompiledHeldEdges
+
+        return CompiledHeldEdges(self)
 
     def arrays(self) -> dict[str, Any]:
         names = (

@@ -1,6 +1,6 @@
-"""The compiled twins of bars and bending hinges, for Numba (extra "fast").
+"""The compiled twins of bars, bending hinges and the edges that clamps hold, for Numba (extra "fast").
 
-Same formulas as :mod:`kirigami.elements.bar` and :mod:`kirigami.elements.bend_hinge`, where they are explained; here
+Same formulas as :mod:`kirigami.elements.bar` and its neighbours, where they are explained; here
 each member is taken to its end, from displacements to entries of the node blocks, without arrays in between.
 """
 
@@ -11,12 +11,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from kirigami.elements import compiled_loops
+from kirigami.elements import compiled_loops, held_loops
 from kirigami.primitives.kernel import Array, Configuration, Tangent, displacement_of
 
 if TYPE_CHECKING:
     from kirigami.elements.bar import BarKernel
     from kirigami.elements.bend_hinge import BendHingeKernel
+    from kirigami.elements.clamp_hinge import HeldEdgeKernel
 
 Index = NDArray[np.int64]
 
@@ -61,3 +62,25 @@ class CompiledHinges:
 
     def add_blocks(self, x: Configuration, lam: float, tangent: Tangent, slots: Index, blocks: Array) -> None:
         compiled_loops.hinge_blocks(*self._state(x, lam), tangent.convexity, slots, blocks)
+
+
+class CompiledHeldEdges:
+    """Twin of the held edges of bars and hinges, each of which is one turn of its facet."""
+
+    def __init__(self, kernel: HeldEdgeKernel) -> None:
+        self._kernel = kernel
+
+    def _state(self, x: Array, lam: float) -> tuple[Any, ...]:
+        kernel, turns = self._kernel, self._kernel._turns
+        u, natural = np.ascontiguousarray(displacement_of(x, kernel.rest)), kernel.natural(lam)
+        stands = turns.initial if natural is None else turns.initial + natural
+        return (
+            kernel.conn, u, turns._edge, turns._wing, turns._unit, turns._direction, turns.carried, turns.committed,
+            stands, kernel.stiffness,
+        )  # fmt: skip
+
+    def add_forces(self, x: Configuration, lam: float, total: Array) -> float:
+        return float(held_loops.forces(*self._state(x, lam), total))
+
+    def add_blocks(self, x: Configuration, lam: float, tangent: Tangent, slots: Index, blocks: Array) -> None:
+        held_loops.blocks(*self._state(x, lam), tangent.convexity, slots, blocks)

@@ -126,11 +126,10 @@ def twins(kernels: list[Kernel]) -> list[CompiledKernel | None]:
     """The compiled twin of each kernel, where Numba is installed and pays.
 
     Numba needs seconds to compile loops once per machine and half a second to load, so small systems do without, and
-    all of them where the environment variable KIRIGAMI_COMPILED is 0.
+    all of them where the environment variable KIRIGAMI_COMPILED is 0. Where one kernel is worth it, all are.
     """
-    wanted = compiles()
-    pays = [wanted and len(kernel.conn) >= min(MEMBERS, kernel.compile_from) for kernel in kernels]
-    return [kernel.compiled() if worth else None for kernel, worth in zip(kernels, pays)]
+    pays = compiles() and any(len(kernel.conn) >= min(MEMBERS, kernel.compile_from) for kernel in kernels)
+    return [kernel.compiled() if pays else None for kernel in kernels]
 
 
 class PickPlan:

@@ -79,3 +79,31 @@ def test_a_path_is_the_same_and_the_summary_names_the_loops(monkeypatch: pytest.
         assert ("compiled" in res.summary()) is by_loops
         ends.append(res.u[-1])
     assert np.abs(ends[1] - ends[0]).max() < 1e-9 * np.abs(ends[0]).max()
+
+
+@pytest.mark.parametrize("convexity", [0.0, 0.4])
+def test_held_edges_agree(monkeypatch: pytest.MonkeyPatch, convexity: float) -> None:
+    """Clamps, which carry their direction along, and mirror planes, which stand still, at rest and driven."""
+    found = []
+    for by_loops in (False, True):
+        monkeypatch.setattr(assembly, "MEMBERS", 1)
+        monkeypatch.setenv("KIRIGAMI_COMPILED", "1" if by_loops else "0")
+        sheet = kg.Sheet([(0, 0), (1, 0), (1, 1), (0, 1)], thickness=0.01, material=kg.Material(E=1e6))
+        m = kg.Model.from_mesh(sheet.mesh(max_edge=0.3))
+        m.perturb(0.05 * np.sin(5 * m.positions()[:, 0]) * np.cos(4 * m.positions()[:, 1]))
+        m.add(kg.Fix(m.select(boundary="bottom"), clamp=True), kg.Symmetry(m.select(boundary="left")[1:], "x"))
+        m.add(kg.Actuate(strain=(0.02, 0.0, 0.0), curvature=(0.4, 0.1, 0.2)))
+        system = kg.System(m)
+        twin = next(twin for kernel, twin in zip(system.kernels, system.twins) if kernel.name == "clamps")
+        assert (twin is not None) is by_loops
+        u = 0.05 * np.random.default_rng(1).normal(size=system.rest.shape)
+        system.commit(0.5 * u)
+        forces, scale = system.forces(u, 0.5)
+        clamps = [kernel for kernel in system.kernels if kernel.name == "clamps"]
+        assert sum(len(kernel.conn) for kernel in clamps) > 6 and clamps[0]._turns.carried.any()
+        assert not clamps[0]._turns.carried.all()
+        found.append((forces, scale, system.stiffness_blocks(u, 0.5, kg.Tangent(convexity)), clamps[0].force_at(
+            clamps[0].deformation(system.configuration(u)), 0.5)))  # fmt: skip
+    assert np.abs(found[0][3]).min() > 0
+    for plain, loops in zip(*found):
+        assert np.abs(loops - plain).max() < 1e-13 * np.abs(plain).max()
