@@ -12,6 +12,7 @@ import pytest
 from shapely import LineString, box
 
 import kirigami as kg
+from kirigami.analysis.path import events
 from kirigami.analysis.path.descent import CORRECTORS
 
 
@@ -98,3 +99,22 @@ def test_descent_of_a_thin_disc_is_cheap(benchmark: ModuleType) -> None:
     assert int(row["nodes"]) >= 2000
     assert row["end"] == "lock"
     assert int(row["factorizations"]) < 200
+
+
+def test_a_snap_foreseen_is_the_same_snap(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A descent that is given up because the potential fell below that of any smooth path only spares its rest."""
+    m = kg.Model(dim=2)
+    for x, rise in ((0, 0.3), (3, 0.4)):  # the first to snap is the first loss of stability, which may be a buckle
+        left, apex, right = m.add(kg.Node(x - 1, 0), kg.Node(x, rise), kg.Node(x + 1, 0))
+        pulled = m.add(kg.Node(x, -2))
+        m.add(kg.Bar(left, apex, EA=1.0), kg.Bar(apex, right, EA=1.0), kg.Bar(apex, pulled, EA=0.02))
+        m.add(kg.Fix([left, right]), kg.Fix([apex, pulled], "x"), kg.Prescribe(pulled, y=-3.0))
+    foreseen = kg.DisplacementControl(m).run()
+    monkeypatch.setattr(events, "FORESEEN", np.inf)
+    landed = kg.DisplacementControl(m).run()
+    assert [event.kind for event in landed.events] == ["snap", "snap"]
+    assert [event.bracket for event in foreseen.events] == [event.bracket for event in landed.events]
+    for one, other in zip(foreseen.events, landed.events):
+        assert one.energy == pytest.approx(other.energy, rel=1e-9)
+    np.testing.assert_allclose(foreseen.u, landed.u, atol=1e-9)
+    assert foreseen.stats["factorizations"] < landed.stats["factorizations"]

@@ -27,6 +27,7 @@ from kirigami.linalg import Factor, SingularMatrixError, inverse_iteration
 from kirigami.primitives.kernel import Ahead, Array
 from kirigami.system.system import System
 
+FELL = "more energy is set free than by a bend of the path"
 PUSH = 0.05  # turn of a member by which an unstable equilibrium is pushed off along its mode [rad]
 
 
@@ -100,12 +101,14 @@ def descend(
     strategy: Strategy,
     on_iteration: Callable[[], None] = lambda: None,
     ahead: Ahead = None,
+    floor: float = -np.inf,
 ) -> Attempt:
     """Iterate downhill from `start`, at its load factor, to a stable equilibrium.
 
-    `ahead` is the linear step that led to `start`: displacements and their change, see :class:`kirigami.Tangent`.
+    `ahead` is the linear step that led to `start`: displacements and their change, see :class:`kirigami.Tangent`. Where
+    the potential falls below `floor`, so will that of the equilibrium: the descent is given up, for the reason FELL.
     """
-    return _Descent(system, factorize, start, tol, strategy, ahead).run(max_iterations, on_iteration)
+    return _Descent(system, factorize, start, tol, strategy, ahead, floor).run(max_iterations, on_iteration)
 
 
 class _Descent(Iterate):
@@ -119,9 +122,10 @@ class _Descent(Iterate):
         tol: float,
         strategy: Strategy,
         ahead: Ahead,
+        floor: float,
     ) -> None:
         super().__init__(system, factorize, start, tol, ahead)
-        self.strategy = strategy
+        self.strategy, self.floor = strategy, floor
         self.amount = 0.0
         self.left: tuple[State, Stiffness] | None = None
         self._unit: Array | None = None
@@ -144,6 +148,8 @@ class _Descent(Iterate):
                     self.balance()
                 elif iteration < max_iterations:
                     self._iterate()
+                    if np.isfinite(self.floor) and self._potential() < self.floor:
+                        return self._attempt(iteration, FELL)
             except SingularMatrixError as error:
                 return self._attempt(iteration, str(error))
             on_iteration()
@@ -156,6 +162,10 @@ class _Descent(Iterate):
         self.correct(factor)
         self.chords(factor, strategy.chords)
         self.amount = self.amount / strategy.decay if self.amount > 0.25 * strategy.least else 0.0
+
+    def _potential(self) -> float:
+        with np.errstate(all="ignore"):
+            return sum(self.system.energies(self.u, self.lam).values())
 
     def _positive_factor(self) -> Factor:
         """Factor of the tangent with just enough done to it for no pivot to be negative."""

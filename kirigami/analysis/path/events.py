@@ -29,6 +29,7 @@ ASIDE = 1e-6  # growth of the critical mode, as a share of all displacements, th
 HARDLY = 1e-4  # turn of a member in a difference quotient [rad]
 SETTLED = 1e-4  # change of the critical eigenvalue from one inverse iteration to the next that is small enough
 SNAP = 1e-3  # least energy set free, as a share of the stored energy, that counts as a snap
+FORESEEN = 2.0  # energy set free, as a multiple of that, by which a snap is told before it has landed
 SNAP_AFTER_DESCENT = 1e-4  # the same where the path was left for a descent
 SNAP_AT_LIMIT_LOAD = 1e-5  # ... and forces drive: a limit load is bracketed closely, so little energy is told
 DOUBT = 0.3  # error of the work along a path, as a share of the last term of its estimate
@@ -146,22 +147,38 @@ def _energy_set_free(
     is not excluded, which explains up to h |F1 - F0| / 2. `doubt` is the share of the last term that may be error.
     """
     system, distance = run.system, after.state.lam - before.state.lam
-    for point in (before, after):
-        if point.potential is None:
-            state, system.history = point.state, point.history
-            with np.errstate(all="ignore"):
-                value = sum(system.energies(state.u, state.lam).values())
-                work = system.potential_rate(state.u, state.lam)
-                point.potential = value, work, force_slope(system, point, distance)
+    energy, rate, curvature = zip(*(_potential(system, point, distance) for point in (before, after)))
     system.history = after.history
-    assert before.potential is not None and after.potential is not None
-    energy, rate, curvature = zip(before.potential, after.potential)
     bend = distance**2 * (curvature[0] - curvature[1]) / 12
     released = energy[0] + 0.5 * (rate[0] + rate[1]) * distance + bend - energy[1]
     explained = doubt * abs(bend) if landed else abs(bend) + 0.5 * abs((rate[1] - rate[0]) * distance)
     rounding = 1e3 * system.noise * system.length
     stored = max(abs(energy[0]), abs(energy[1]), rounding, 1e-300)
     return released, released / stored if released > explained else 0.0
+
+
+def least_potential(run: PathRun, before: Point, increment: float) -> float:
+    """Potential one increment on below which a snap was met that is worth bracketing, told without a landing.
+
+    The forces at the point before and their slope give the potential of a smooth path to third order. Where the sheet
+    grows stiffer this is too low, so that fewer snaps are told.
+    """
+    if not run.system.drive.any():
+        return -np.inf
+    energy, rate, slope = _potential(run.system, before, increment)
+    ahead = energy + rate * increment + 0.5 * slope * increment**2
+    return ahead - FORESEEN * SNAP * max(abs(energy), abs(ahead))
+
+
+def _potential(system: System, point: Point, distance: float) -> tuple[float, float, float]:
+    """The potential at a point, its rate with the load factor and the change of that, found once."""
+    if point.potential is None:
+        state, system.history = point.state, point.history
+        with np.errstate(all="ignore"):
+            value = sum(system.energies(state.u, state.lam).values())
+            work = system.potential_rate(state.u, state.lam)
+            point.potential = value, work, force_slope(system, point, distance)
+    return point.potential
 
 
 def force_slope(system: System, point: Point, distance: float) -> float:

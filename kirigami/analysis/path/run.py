@@ -132,10 +132,11 @@ class PathRun(Run):
         tol, count = self.settings.tol, self.count_iteration
         return correct(self.system, self.factorize_blocks, control, state, tol, MAX_ITERATIONS, count, ahead)
 
-    def descend(self, state: State, ahead: Ahead = None) -> Attempt:
-        """Run downhill from a state, at its load factor, by the means of the corrector that was chosen."""
+    def descend(self, state: State, ahead: Ahead = None, floor: float = -np.inf) -> Attempt:
+        """Run downhill from a state, at its load factor, by the means of the corrector that was chosen; not below a
+        potential of `floor`."""
         strategy, tol, count = CORRECTORS[self.settings.corrector], self.settings.tol, self.count_iteration
-        return descend(self.system, self.factorize_blocks, state, tol, MAX_RELAXATION, strategy, count, ahead)
+        return descend(self.system, self.factorize_blocks, state, tol, MAX_RELAXATION, strategy, count, ahead, floor)
 
     def tangent_at(self, attempt: Attempt) -> Tangent | None:
         """The exact tangent at a converged state; None where the attempt failed or the tangent is singular."""

@@ -19,7 +19,8 @@ from typing import Any
 
 import numpy as np
 
-from kirigami.analysis.path.events import tell_events, worth_bracketing
+from kirigami.analysis.path.descent import FELL
+from kirigami.analysis.path.events import least_potential, tell_events, worth_bracketing
 from kirigami.analysis.path.points import Attempt, Point, State, Tangent
 from kirigami.analysis.path.steps import Steps
 from kirigami.analysis.path.tracking import track
@@ -66,7 +67,7 @@ class StableSteps(Steps):
             if tangent is not None and tangent.factor.negative == 0 and self._is_smooth(before, attempt):
                 return self._accept(attempt, tangent), attempt, increment
             unstable = tangent is not None and tangent.factor.negative > 0
-            closer = (unstable and not self.buckled) or turn > LOST_TURN or not driven
+            closer = (unstable and not self.buckled) or turn > LOST_TURN or self.snap is not None or not driven
             if abs(increment) > 1.0001 * reach or (closer and not short):
                 shorter = min(CUT * abs(increment), reach)
                 if tangent is not None and unstable:
@@ -80,7 +81,11 @@ class StableSteps(Steps):
                 landed = attempt
                 landed.drift, landed.relaxed = run.system.largest_rotation(landed.state.u - guess.u), True
             else:
-                landed = self._downhill(before, guess, attempt, tangent, increment, turn)
+                floor = least_potential(run, before, increment) if self.buckled and not short else -np.inf
+                landed = self._downhill(before, guess, attempt, tangent, increment, turn, floor)
+            if landed.reason == FELL:
+                increment = self._bracket(before, increment, least)
+                continue
             landed_tangent = run.tangent_at(landed)
             if landed_tangent is None:
                 increment = self.cut(before, landed, increment)
@@ -88,8 +93,7 @@ class StableSteps(Steps):
             run.system.commit(landed.state.u, landed.state.lam)
             point = Point(landed.state, landed_tangent, run.system.history)
             if not short and worth_bracketing(run, before, point):
-                self.snap = before.state.lam + increment
-                increment = self._cut(before, sense * max(HALF * abs(increment), least))
+                increment = self._bracket(before, increment, least)
                 continue
             self.buckled = True
             # over a longer increment the work along the path is not known well enough to tell of a small snap
@@ -105,6 +109,11 @@ class StableSteps(Steps):
         matrix = self.run.system.matrix(tangent.blocks)
         lowest, _ = lowest_of_pencil(matrix, before.tangent.factor)
         return float(np.clip(1.0 / (1.0 - lowest), 0.0, UP_TO_LOSS))
+
+    def _bracket(self, before: Point, increment: float, least: float) -> float:
+        """A shorter increment where one met a snap."""
+        self.snap = before.state.lam + increment
+        return self._cut(before, float(np.sign(increment)) * max(HALF * abs(increment), least))
 
     def _cut(self, before: Point, increment: float) -> float:
         self.run.results.stats["cutbacks"] += 1
@@ -150,7 +159,14 @@ class StableSteps(Steps):
         return Point(attempt.state, tangent, self.run.system.history)
 
     def _downhill(
-        self, before: Point, guess: State, attempt: Attempt, tangent: Tangent | None, increment: float, turn: float
+        self,
+        before: Point,
+        guess: State,
+        attempt: Attempt,
+        tangent: Tangent | None,
+        increment: float,
+        turn: float,
+        floor: float,
     ) -> Attempt:
         """A descent at the end of the increment; it tells which unstable equilibrium it left, if any."""
         run, system = self.run, self.run.system
@@ -169,7 +185,7 @@ class StableSteps(Steps):
             linear = before.state.u, start.u - before.state.u
         if (blocked := run.blocked(before, start)) is not None:
             return blocked
-        landed = run.descend(start, linear)
+        landed = run.descend(start, linear, floor)
         landed.iterations += 1
         landed.drift = system.largest_rotation(landed.state.u - guess.u)
         landed.relaxed = True
