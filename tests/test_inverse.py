@@ -95,8 +95,30 @@ def test_nodes_by_number_are_not_taken_for_those_of_a_finer_mesh():
     found = kg.Inverse(start, (lambda x, f: float(x[10, 1]), 1.0, 1.0), evaluations=2).run()
     assert not found.verified
     assert "numbers its nodes anew" in found.message
-    with pytest.raises(kg.ModelError, match="of a path"):
-        kg.Inverse(start, (("critical", 0), 1.0, 1.0)).run()
+    with pytest.raises(kg.ModelError, match="there is no event 7"):
+        kg.Inverse(start, (("critical", 7), 1.0, 1.0)).run()
+
+
+def test_a_load_factor_of_buckling_is_met():
+    """A strip that is pushed buckles at a strain that grows with the square of its thickness (Euler)."""
+
+    def pushed(m):
+        top = m.select(boundary="top")
+        m.add(kg.Fix(m.select(boundary="bottom"), clamp=True), kg.Fix(top, "xz", clamp=True))
+        m.add(kg.Prescribe(top, y=-3e-4))
+
+    start = kg.Design(
+        (), outline=shapely.box(0, 0, 0.02, 0.1), supports=pushed, material=kg.Material(2e9, 0.0), imperfection=0,
+        mesh={"max_edge": 0.02}, thickness=(1e-3, 8e-4, 1.3e-3),
+    )  # fmt: skip
+    res = start.walk([1.0])
+    number = [event.kind for event in res.events].index("bifurcation")
+    lam = res.events[number].lam
+    assert lam * 3e-4 / 0.1 == pytest.approx(np.pi**2 / 3 * (1e-3 / 0.1) ** 2, rel=0.02)
+    target = (("critical", number), 1.0, 1.44 * lam)
+    found = kg.Inverse(start, target, corrections=None, enough=1e-5).run()
+    assert found.values["thickness"] == pytest.approx(1.2e-3, rel=1e-3)
+    assert found.design.walk([1.0]).events[number].lam == pytest.approx(1.44 * lam, rel=1e-4)
 
 
 def test_what_is_out_of_reach_is_told():
@@ -149,6 +171,28 @@ def test_the_best_of_several_starts_counts():
     assert some.worth < one.worth  # one of the others is nearer
     assert some.start.values != one.start.values
     assert problem.run(starts=3, seed=1).values == some.values
+
+
+@pytest.mark.long
+def test_starts_side_by_side_are_those_one_by_one(tmp_path):
+    start = design(edge=1.0, stiffness="plate", supports=kg.LoadCase(strain=0.025))  # which other processes know
+    wanted = forces(start.at(inner=0.8), [1.0])
+    problem = kg.Inverse(start, (FORCE, 1.0, wanted), corrections=None, enough=1e-4, path=tmp_path / "search.json")
+    with pytest.raises(kg.ModelError, match="cannot be sent to other processes"):
+        kg.Inverse(design(edge=1.0, stiffness="plate"), (FORCE, 1.0, wanted)).run(starts=2, workers=2)
+    found = problem.run(starts=3, seed=1, workers=2)
+    assert found.coarse_error < 1e-4
+    assert found.values["inner"] == pytest.approx(0.8, abs=1e-3)
+    assert (tmp_path / "search_2.json").exists()
+
+
+def test_better_designs_leave_pictures(tmp_path):
+    start = design(edge=1.0, stiffness="plate")
+    wanted = forces(start.at(inner=0.8), [1.0])
+    found = kg.Inverse(start, (FORCE, 1.0, wanted), corrections=None, evaluations=3).run(pictures=tmp_path)
+    errors = [entry["error"] for entry in found.history]
+    better = [k + 1 for k, error in enumerate(errors) if error < min([np.inf, *errors[:k]])]
+    assert sorted(file.name for file in tmp_path.iterdir()) == [f"design_{number:04d}.png" for number in better]
 
 
 def test_corrections_go_on_where_evaluations_ran_out():

@@ -7,41 +7,49 @@ found, where stability is lost or the shape leaps, the sheet is walked from flat
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
 
+from kirigami.design.asked import Asked, asked
 from kirigami.design.design import Design
 from kirigami.errors import AnalysisError
 from kirigami.primitives.kernel import Array
+from kirigami.results.gradients.critical import CriticalPoint, event_of
 from kirigami.results.gradients.equilibrium import Equilibrium, prepared
 from kirigami.results.results import Results
 
 SHORTEST = 0.2  # share of the way to a new design below which its sheet is walked anew
 LEAP = 0.6  # turn of a member from one design to the next beyond which it is another shape [rad]
+State = tuple[list[Equilibrium], dict[int, CriticalPoint]]
 
 
 class Branch:
-    """Equilibria of a design at load factors, which follow it.
+    """Equilibria of a design at load factors, and critical points on its path, which follow it.
 
     Attributes
     ----------
     at : list of Equilibrium
         The equilibria of the last design, one for each load factor.
+    points : dict of int to CriticalPoint
+        Limit points and bifurcations, by their number among the events of a walk from flat.
     walks, factorizations : int
         Walks from flat, and tangents factorised, so far.
     """
 
-    def __init__(self, design: Design, lams: Sequence[float]) -> None:
-        self.lams = list(lams)
+    def __init__(self, design: Design, lams: Sequence[float], critical: Mapping[int, float] = MappingProxyType({})):
+        """`critical`: numbers of events, and how far one must walk to meet them."""
+        self.lams, self._critical = list(lams), dict(critical)
         self.walks = self.factorizations = 0
-        self.design, self.at = design, self._walk(design)
+        self.design = design
+        self.at, self.points = self._walk(design)
 
-    def _walk(self, design: Design) -> list[Equilibrium]:
+    def _walk(self, design: Design) -> State:
         """From flat, with every equilibrium to the last digits."""
         self.walks += 1
-        res = design.walk(self.lams)
+        res = design.walk(sorted({*self.lams, *self._critical.values()}))
         self.factorizations += int(res.stats["factorizations"])
         self.results: Results = res
         found = []
@@ -54,16 +62,21 @@ class Branch:
             state = Equilibrium(system, system.joined(step.u, step.inner), step.lam, "Inverse")
             self.factorizations += state.factorizations
             found.append(state)
-        return found
+        points = {}
+        for number in self._critical:
+            event = event_of(res, ("critical", number), "Inverse")
+            assert event.located is not None
+            points[number] = CriticalPoint(prepared(model, event.located.history), event, "Inverse")
+        return found, points
 
     def go_to(self, design: Design) -> None:
         """Follow the design; raises where neither a branch goes there nor a walk from flat."""
         start, goal = self.design.vector, design.vector
-        here, done, share = self.at, 0.0, 1.0
+        here, done, share = (self.at, self.points), 0.0, 1.0
         while done < 1.0:
             share = min(share, 1.0 - done)
             through = design if done + share >= 1.0 else design.at(start + (done + share) * (goal - start))
-            states = self._from(through, here)
+            states = self._from(through, *here)
             if states is not None:
                 here, done, share = states, done + share, 2 * share
             elif 0.5 * share >= SHORTEST:
@@ -71,25 +84,36 @@ class Branch:
             else:
                 here = self._walk(design)
                 break
-        self.design, self.at = design, here
+        self.design, (self.at, self.points) = design, here
 
-    def _from(self, design: Design, before: list[Equilibrium]) -> list[Equilibrium] | None:
-        """Equilibria of a design next to given ones, or None where the branch does not go there."""
-        found = []
+    def _from(self, design: Design, before: list[Equilibrium], points: dict[int, CriticalPoint]) -> State | None:
+        """Equilibria and points of a design next to given ones, or None where the branch does not go there."""
+        found: list[Equilibrium] = []
+        critical: dict[int, CriticalPoint] = {}
         model = design.model()
-        for old in before:
-            system = prepared(model, old.system.history)
-            try:
+        try:
+            for old in before:
+                system = prepared(model, old.system.history)
                 state = Equilibrium(system, old.u, old.lam, "Inverse")
-            except AnalysisError:
-                return None
-            self.factorizations += state.factorizations
-            if state.negative > old.negative or system.largest_rotation(state.u - old.u) > LEAP:
-                return None
-            system.commit(state.u, state.lam)
-            found.append(state)
-        self.results = Results(found[-1].system)  # nodes, supports and mesh are those of the design as it is now
-        return found
+                self.factorizations += state.factorizations
+                if state.negative > old.negative or system.largest_rotation(state.u - old.u) > LEAP:
+                    return None
+                system.commit(state.u)
+                found.append(state)
+            for number, point in points.items():
+                critical[number] = CriticalPoint.next_to(point, prepared(model, point.system.history))
+        except AnalysisError:
+            return None
+        system = found[-1].system if found else next(iter(critical.values())).system
+        self.results = Results(system)  # nodes, supports and mesh are those of the design as it is now
+        return found, critical
+
+    def asked(self, functional: Any, lam: float, slopes: bool = True) -> Asked:
+        """A functional at one of the load factors, or a critical load factor up to there."""
+        if isinstance(functional, tuple) and functional[0] == "critical":
+            point = self.points[functional[1]]
+            return Asked(point.lam, [(1.0, adjoint) for adjoint in point.adjoints()] if slopes else [])
+        return asked(functional, self.at[self.lams.index(lam)], self.results, slopes)
 
 
 def rates(design: Design, adjoints: Sequence[Any]) -> Array:

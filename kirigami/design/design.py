@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import copy
 import inspect
 import warnings
 from collections.abc import Callable, Mapping, Sequence
@@ -207,7 +206,8 @@ class Design:
 
     def _with(self, values: Mapping[str, float]) -> Design:
         """The same without a look at ranges."""
-        twin = copy.copy(self)
+        twin: Design = object.__new__(type(self))
+        twin.__dict__.update(self.__dict__)
         twin.values = {**self.values, **{name: float(value) for name, value in values.items()}}
         twin._mesh = None
         return twin
@@ -387,6 +387,14 @@ class Design:
         return found
 
     export = deferred("kirigami.design.export:export")
+
+    def __getstate__(self) -> dict[str, Any]:
+        """Without what is made anew in another process."""
+        return {name: value for name, value in self.__dict__.items() if name != "_follower"}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        self.__dict__.update(state)
+        self._follower = Follower(self._reference_mesh, *self._drawn)
 
     def __repr__(self) -> str:
         told = ", ".join(f"{name}={value:.6g}" for name, value in self.values.items())

@@ -3,18 +3,16 @@
 from __future__ import annotations
 
 import os
-import warnings
 from collections.abc import Callable, Sequence
+from pathlib import Path
 from typing import Any
-
-import numpy as np
 
 from kirigami.design.answer import InverseResult
 from kirigami.design.design import Design
 from kirigami.design.methods import METHODS, chosen_method
-from kirigami.design.search import Search
+from kirigami.design.starts import one_by_one, side_by_side, spread
 from kirigami.design.targets import Bound, Target, bounds_of, targets_of
-from kirigami.errors import AnalysisError, GeometryError, KirigamiWarning, ModelError
+from kirigami.errors import ModelError
 from kirigami.primitives.checks import (
     require_boolean,
     require_choice,
@@ -112,6 +110,7 @@ class Inverse:
         self.corrections = None if corrections is None else require_whole(corrections, "corrections", "Inverse", 0)
         self.finer = require_positive(finer, "finer", "Inverse")
         require_not_negative(self.finer - 1, "finer - 1", "Inverse")
+        self.pictures: Path | None = None
         self.path = None if path is None else require_path(path, "path", "Inverse")
 
     def run(
@@ -119,49 +118,35 @@ class Inverse:
         progress: bool | Callable[[int, dict[str, float], float], Any] = False,
         starts: int = 1,
         seed: int = 0,
+        workers: int = 1,
+        pictures: str | os.PathLike[str] | None = None,
     ) -> InverseResult:
         """Search.
 
         Parameters
         ----------
         progress : bool or callable
-            True prints each design tried; ``progress(number, values, error)`` is called with it.
+            True prints each design tried; ``progress(number, values, error)`` is called with it. Of searches side by
+            side only the ends are told.
         starts : int
             From how many designs to search: the one given, and others spread over the ranges, of which those that
             cannot be walked are left out. The best answer counts.
         seed : int
             Another number is another spread.
+        workers : int
+            How many processes search side by side; functions of the design are then defined at the top of a module or
+            script, which runs the search under ``if __name__ == "__main__":``.
+        pictures : path, optional
+            A folder, in which every design that is better than all before leaves a picture: the sheet, and how far
+            each target is off. Not of searches side by side.
         """
         if not callable(progress):
             require_boolean(progress, "progress", "Inverse.run")
-        best = Search(self, self.design, self.path, progress).run()
-        for number, design in enumerate(self._others(starts, seed), start=1):
-            path = None if self.path is None else self.path.with_stem(f"{self.path.stem}_{number}")
-            if best.status == "interrupted":
-                break
-            try:
-                found = Search(self, design, path, progress).run()
-            except AnalysisError:
-                continue
-            if (found.verified, -found.worth) > (best.verified, -best.worth):
-                best = found
-        return best
-
-    def _others(self, starts: int, seed: int) -> list[Design]:
-        """Further designs to start from, spread over the ranges."""
-        from scipy.stats import qmc
-
         count = require_whole(starts, "starts", "Inverse.run", 1) - 1
         seed = require_whole(seed, "seed", "Inverse.run", 0)
-        if not count:
-            return []
-        ends = np.array([self.design.bounds[name] for name in self.design.free])
-        found = []
-        for share in qmc.LatinHypercube(len(ends), seed=seed).random(count):
-            with warnings.catch_warnings():
-                warnings.simplefilter("ignore", KirigamiWarning)
-                try:
-                    found.append(self.design.at(ends[:, 0] + share * (ends[:, 1] - ends[:, 0])))
-                except GeometryError:
-                    continue
-        return found
+        require_whole(workers, "workers", "Inverse.run", 1)
+        self.pictures = None if pictures is None else require_path(pictures, "pictures", "Inverse.run")
+        designs = [self.design, *spread(self.design, count, seed)]
+        if workers > 1 and len(designs) > 1:
+            return side_by_side(self, designs, workers, progress)
+        return one_by_one(self, designs, progress)

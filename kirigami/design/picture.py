@@ -13,6 +13,9 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from kirigami.design.answer import InverseResult
+    from kirigami.design.design import Design
+    from kirigami.primitives.kernel import Array
+    from kirigami.results.gradients.equilibrium import Equilibrium
 
 
 @style.styled
@@ -52,6 +55,28 @@ def plot_result(result: InverseResult) -> Figure:
         plot_sheet(design.sheet(), ax=ax)
         ax.set_title(title)
     _changes(axes[-1], result)
+    return figure
+
+
+@style.styled
+def plot_trial(design: Design, at: Equilibrium, errors: Array, names: list[str]) -> Figure:
+    """One design of a search: its sheet as drawn, as it stands at the last load factor, and its errors."""
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(9.6, 3.2), layout="constrained")
+    axes: Any = figure.subplots(1, 3)
+    plot_sheet(design.sheet(), ax=axes[0])
+    axes[0].set_title("as drawn")
+    mesh = design.mesh
+    place = np.zeros((len(mesh.nodes), 3))
+    place[:, : at.system.dim] = at.configuration[: len(mesh.nodes)]
+    axes[1].tripcolor(place[:, 0], place[:, 1], mesh.triangles, place[:, 2], shading="gouraud", cmap="viridis")
+    axes[1].set(aspect="equal", title=f"at load factor {at.lam:g}, by height")
+    axes[1].set_axis_off()
+    axes[2].barh(np.arange(len(names)), 100 * np.asarray(errors), color=style.BLUE, height=0.5)
+    axes[2].set_yticks(np.arange(len(names)), names)
+    axes[2].axvline(0, color="black", lw=0.6)
+    axes[2].set(xlabel="error [%]", title="targets")
     return figure
 
 

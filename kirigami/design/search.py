@@ -11,11 +11,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from kirigami.design.answer import InverseResult
-from kirigami.design.asked import asked, carries_over, combined
+from kirigami.design.asked import carries_over, combined
 from kirigami.design.branch import Branch, rates
 from kirigami.design.design import Design
 from kirigami.design.methods import GoodEnoughError, OutOfEvaluationsError, optimise
-from kirigami.design.targets import load_factors
+from kirigami.design.targets import critical_events, load_factors
 from kirigami.errors import AnalysisError, KirigamiError, KirigamiWarning
 from kirigami.files import whole_file
 from kirigami.primitives.kernel import Array
@@ -51,11 +51,11 @@ class Search:
         self.lams = load_factors(problem.targets, problem.constraints)
         self.carries = all(carries_over(target.functional) for target in problem.targets)
         self._resume()
-        self.branch = Branch(self.design, self.lams)
+        self.critical = critical_events(problem.targets, problem.constraints)
+        self.branch = Branch(self.design, self.lams, self.critical)
         for target in problem.targets:
             if np.isnan(target.scale):  # a wish is measured by what the start does
-                at = self.branch.at[self.lams.index(float(target.lam[0]))]
-                told = abs(asked(target.functional, at, self.branch.results, slopes=False).value)
+                told = abs(self.branch.asked(target.functional, float(target.lam[0]), slopes=False).value)
                 object.__setattr__(target, "scale", told or 1.0)
 
     # ---- one design
@@ -92,6 +92,7 @@ class Search:
             return None
         if self.best is None or found.worth < self.best.worth:
             self.best = found
+            self._draw(found)
         self._note(x, float(np.abs(found.errors).max(initial=0.0)))
         return found
 
@@ -113,7 +114,7 @@ class Search:
 
     def _mesh_anew(self, design: Design) -> Design:
         design = design.remeshed()
-        branch = Branch(design, self.lams)
+        branch = Branch(design, self.lams, self.critical)
         branch.walks += self.branch.walks
         branch.factorizations += self.branch.factorizations
         self.design, self.branch = design, branch
@@ -124,14 +125,14 @@ class Search:
         pieces, errors, scales = [], [], []
         for target, shift in zip(problem.targets, self.shift):
             for lam, wanted, moved in zip(target.lam.tolist(), target.values, shift):
-                pieces.append(asked(target.functional, branch.at[self.lams.index(lam)], branch.results))
+                pieces.append(branch.asked(target.functional, lam))
                 scale = (target.wish or 1.0) / target.scale
                 scales.append(scale)
                 errors.append(np.nan if target.wish else (pieces[-1].value - wanted + moved) * scale)
         count, told = len(pieces), [piece.value for piece in pieces]
         for bound in problem.constraints:
             if not bound.drawn:
-                pieces.append(asked(bound.what, branch.at[self.lams.index(bound.lam)], branch.results))
+                pieces.append(branch.asked(bound.what, bound.lam))
         slopes = combined(pieces, rates(branch.design, [part for piece in pieces for _, part in piece.parts]))
         bounds, bound_slopes, row = [], [], count
         for bound in problem.constraints:
@@ -179,6 +180,26 @@ class Search:
         elif self.progress:
             told = ", ".join(f"{name}={value:.6g}" for name, value in values.items())
             print(f"{len(self.history):4d}  error {error:.3e}  {told}" + (f"  ({why})" if why else ""))
+
+    def _draw(self, trial: Trial) -> None:
+        """Leave a picture of the best design so far."""
+        if self.problem.pictures is None or not self.branch.at:
+            return
+        from kirigami.design.picture import plot_trial
+
+        folder = self.problem.pictures
+        folder.mkdir(parents=True, exist_ok=True)
+        design = self.branch.design
+        with whole_file(folder / f"design_{len(self.history) + 1:04d}.png") as unfinished:
+            plot_trial(design, self.branch.at[-1], trial.errors, self.names).savefig(unfinished, dpi=100)
+
+    @property
+    def names(self) -> list[str]:
+        """What each error is of."""
+        return [
+            f"{target.name} at {lam:g}".replace("_", " ")
+            for target in self.problem.targets for lam in target.lam.tolist()
+        ]  # fmt: skip
 
     def _resume(self) -> None:
         path = self.path
@@ -233,15 +254,15 @@ class Search:
             warnings.simplefilter("ignore", KirigamiWarning)
             design = self.design.at(self._inside(self.best.x)).finer(self.problem.finer)
             try:
-                branch = Branch(design, self.lams)
+                branch = Branch(design, self.lams, self.critical)
             except KirigamiError:
                 return [], float("inf")
         self.branch.walks += branch.walks
         self.branch.factorizations += branch.factorizations
         found, worst = [], 0.0
         for target in self.problem.targets:
-            states = [branch.at[self.lams.index(lam)] for lam in target.lam.tolist()]
-            told = np.array([asked(target.functional, at, branch.results, slopes=False).value for at in states])
+            lams = target.lam.tolist()
+            told = np.array([branch.asked(target.functional, lam, slopes=False).value for lam in lams])
             found.append(told)
             if not target.wish:
                 worst = max(worst, float(np.abs(told - target.values).max() / target.scale))
@@ -274,7 +295,7 @@ class Search:
              for told, target in zip(coarse, problem.targets) if not target.wish),
             default=0.0,
         )  # fmt: skip
-        if status == "closest" and met <= 1e-3 and inside:
+        if status == "closest" and met <= max(1e-3, problem.enough) and inside:
             status = "met"
         messages = {
             "met": "the targets are met on the mesh of the design",

@@ -10,7 +10,14 @@ import numpy as np
 
 from kirigami.design.design import Design
 from kirigami.errors import ModelError
-from kirigami.primitives.checks import require_array, require_finite, require_items, require_positive, shown
+from kirigami.primitives.checks import (
+    require_array,
+    require_finite,
+    require_items,
+    require_positive,
+    require_whole,
+    shown,
+)
 from kirigami.primitives.kernel import Array
 
 WISHES = {"max": -1.0, "min": 1.0}
@@ -150,6 +157,24 @@ def bounds_of(given: Any, owner: str = "Inverse") -> list[Bound]:
 
 def load_factors(targets: Sequence[Target], bounds: Sequence[Bound]) -> list[float]:
     """All load factors at which equilibria are needed, ascending."""
-    wanted = [lam for target in targets for lam in target.lam.tolist()]
-    wanted += [bound.lam for bound in bounds if not bound.drawn]
+    wanted = [lam for target in targets if not is_critical(target.functional) for lam in target.lam.tolist()]
+    wanted += [bound.lam for bound in bounds if not bound.drawn and not is_critical(bound.what)]
     return sorted(set(wanted))
+
+
+def critical_events(targets: Sequence[Target], bounds: Sequence[Bound]) -> dict[int, float]:
+    """Numbers of the events whose load factors are asked for, and up to which load factor they are looked for."""
+    found: dict[int, float] = {}
+    asked = [(target.functional, float(target.lam.max())) for target in targets]
+    for what, lam in [*asked, *((bound.what, bound.lam) for bound in bounds)]:
+        if is_critical(what):
+            if len(what) != 2:
+                raise ModelError("Inverse: give ('critical', number of the event)")
+            number = require_whole(what[1], "the number of the event", "Inverse")
+            found[number] = max(lam, found.get(number, -np.inf))
+    return found
+
+
+def is_critical(functional: Any) -> bool:
+    """Whether a functional is a load factor of a limit point or a bifurcation."""
+    return isinstance(functional, tuple) and bool(functional) and functional[0] == "critical"

@@ -128,7 +128,7 @@ def runner_for(executor: Any, function: Callable[..., Any], workers: int | None,
             pickle.dumps(function)
         except Exception as error:
             raise ModelError(
-                f"Sweep: {name_of(function)} cannot be sent to other processes: define it at the top of a module or "
+                f"{name_of(function)} cannot be sent to other processes: define it at the top of a module or "
                 f"script ({error})"
             ) from error
     if executor is not None:

@@ -34,7 +34,12 @@ def functionals(name):
     free = min(set(range(len(results(name).rest))) - known)
     plain = [("force", "driven_0", "y"), ("position", free, "y"), ("energy",), own]
     plain += [("shape", results(name).rest + 0.1 * np.random.default_rng(4).normal(size=results(name).rest.shape))]
-    return plain + ([("open_area",), ("poisson_ratio",), ("width",)] if name in SHEETS else [])
+    if results(name).dim == 3:
+        plain.append(("height",))
+    return plain + ([("open_area",), ("poisson_ratio",), ("width",), POINT] if name in SHEETS else [])
+
+
+POINT = ("point", (0.1, 0.2), "x")  # of the sheet as it is drawn
 
 
 def called(functional):
@@ -91,10 +96,13 @@ def test_by_places_of_nodes(name):
     asked = functionals(name)
     along = 0.02 * np.random.default_rng(1).normal(size=res.rest.shape)
     along[:, res.dim :] = 0.0
+    level = along.copy()  # nodes that are held are the lowest and the highest, several of them, and have to stay so
+    level[[node for support in res.supports for node in support.nodes.tolist()], 2] = 0.0
     for functional, rate in zip(asked, res.gradient(asked, "positions")):
+        moved = level if called(functional) == "height" else along
         left = left_over(
-            name, functional, float((rate * along).sum()),
-            lambda s: prepared(shifted(res.model, s * along), res[-1].history),
+            name, functional, float((rate * moved).sum()),
+            lambda s, moved=moved: prepared(shifted(res.model, s * moved), res[-1].history),
         )  # fmt: skip
         assert_second_order(left, rounding_of(functional))
 

@@ -40,17 +40,17 @@ def gradient(results: Results, functional: Any, derive: Callable[[Sequence[Adjoi
     return point.derivative(derive)
 
 
-def event_of(results: Results, functional: Any) -> Event:
+def event_of(results: Results, functional: Any, owner: str = "gradient") -> Event:
     """The event that ("critical", number) names."""
     if len(functional) != 2:
-        raise ModelError("gradient: give ('critical', number of the event)")
-    number = require_whole(functional[1], "the number of the event", "gradient")
+        raise ModelError(f"{owner}: give ('critical', number of the event)")
+    number = require_whole(functional[1], "the number of the event", owner)
     if not -len(results.events) <= number < len(results.events):
-        raise ModelError(f"gradient: there is no event {number}: the results hold {len(results.events)}")
+        raise ModelError(f"{owner}: there is no event {number}: the results hold {len(results.events)}")
     event = results.events[number]
     if event.kind not in KINDS or event.located is None:
         raise ModelError(
-            f"gradient: event {number} ({event}) is no limit point or bifurcation that was located: it has no gradient"
+            f"{owner}: event {number} ({event}) is no limit point or bifurcation that was located: it has no gradient"
         )
     return event
 
@@ -65,6 +65,26 @@ class CriticalPoint:
         self.lam = event.located.lam
         self.q = system.unknowns(system.joined(event.located.u, event.located.inner))
         self._settle()
+
+    @classmethod
+    def next_to(cls, other: CriticalPoint, system: System) -> CriticalPoint:
+        """The point of the same kind of a system close by."""
+        refuse_history(system, other.owner)
+        found = cls.__new__(cls)
+        found.system, found.kind, found.owner, found.lam, found.q = system, other.kind, other.owner, other.lam, other.q
+        found._settle()
+        return found
+
+    def adjoints(self) -> list[Adjoint]:
+        """Adjoint fields whose derivatives sum up to that of the load factor."""
+        found: list[Adjoint] = []
+
+        def keep(adjoints: Sequence[Adjoint]) -> list[Any]:
+            found.extend(adjoints)
+            return [0.0] * len(adjoints)
+
+        self.derivative(keep)
+        return found
 
     def _look(self) -> None:
         """Tangent, null vector and their changes at the present place."""
@@ -148,6 +168,5 @@ class CriticalPoint:
     def _of_residual(self, q: Array, multiplier: Array, derive: Callable[[Sequence[Adjoint]], list[Any]]) -> Any:
         """-multiplier . dr/dp at unknowns q."""
         at = Equilibrium.as_given(self.system, q, self.lam, self.owner)
-        nothing = np.zeros((self.system.points, 3))
-        told = Told(self.lam, nothing, nothing)
+        told = Told(self.lam, np.zeros((len(self.system.rest), 3)), np.zeros((self.system.points, 3)))
         return derive([Adjoint(at, told, np.zeros_like(self.system.rest), multiplier)])[0]
