@@ -45,6 +45,9 @@ class InverseResult:
         What was made small: half the squared errors, what is wished for, and what constraints are missed by.
     sensitivities : dict of str to float
         Derivative of the summed squares of errors by each parameter, at the answer.
+    thicker : ndarray, shape (facets,), or None
+        The same by the thickness of each facet of the design's mesh, over its area: negative where a thicker sheet
+        would bring the targets nearer. None where thickness has no gradient.
 
     Examples
     --------
@@ -74,6 +77,7 @@ class InverseResult:
     factorizations: int = 0
     worth: float = 0.0
     sensitivities: dict[str, float] = field(default_factory=dict)
+    thicker: Array | None = None
 
     plot = deferred("kirigami.design.picture:plot_result")
 

@@ -33,29 +33,65 @@ def plot_result(result: InverseResult) -> Figure:
     """
     from matplotlib.figure import Figure
 
-    count = len(result.lam)
-    columns = count + 3
+    curves = [number for number, lam in enumerate(result.lam) if len(lam) > 1]
+    points = [number for number, lam in enumerate(result.lam) if len(lam) == 1]
+    shown = result.thicker is not None
+    columns = len(curves) + bool(points) + 3 + shown
     figure = Figure(figsize=(3.2 * columns, 3.2), layout="constrained")
     axes: Any = np.atleast_1d(figure.subplots(1, columns))
-    for number, ax in enumerate(axes[:count]):
-        lam = result.lam[number]
-        order = np.argsort(lam)
-        lines = [("wanted", result.wanted, "black", "o"), ("start", result.before, "#999999", ""),
-                 ("found", result.coarse, style.BLUE, "")]  # fmt: skip
-        if result.reached:
-            lines.append(("found, finer mesh", result.reached, style.VERMILION, "x"))
-        for label, values, color, marker in lines:
-            ax.plot(
-                lam[order], values[number][order], color=color, marker=marker, lw=0 if label == "wanted" else 1.2,
-                label=label,
-            )  # fmt: skip
-        ax.set(xlabel="load factor", title=result.names[number].replace("_", " "))
-        ax.legend(frameon=False)
-    for ax, title, design in ((axes[-3], "start", result.start), (axes[-2], "found", result.design)):
+    for number, ax in zip(curves, axes):
+        _curve(ax, result, number)
+    if points:
+        _points(axes[len(curves)], result, points)
+    sheets = axes[len(curves) + bool(points) :]
+    for ax, title, design in ((sheets[0], "start", result.start), (sheets[1], "found", result.design)):
         plot_sheet(design.sheet(), ax=ax)
         ax.set_title(title)
+    if shown:
+        _thicker(sheets[2], result)
     _changes(axes[-1], result)
     return figure
+
+
+def _lines(result: InverseResult) -> list[tuple[str, Any, str, str]]:
+    """Label, values by target, colour and marker of what a picture shows of each target."""
+    lines = [("wanted", result.wanted, "black", "o"), ("start", result.before, "#999999", "s"),
+             ("found", result.coarse, style.BLUE, "+")]  # fmt: skip
+    return [*lines, ("found, finer mesh", result.reached, style.VERMILION, "x")] if result.reached else lines
+
+
+def _curve(ax: Any, result: InverseResult, number: int) -> None:
+    """A target over the load factor."""
+    lam = result.lam[number]
+    order = np.argsort(lam)
+    for label, values, color, marker in _lines(result):
+        width = 0 if label == "wanted" else 1.2
+        ax.plot(lam[order], values[number][order], color=color, marker=marker, lw=width, label=label)
+    ax.set(xlabel="load factor", title=result.names[number].replace("_", " "))
+    ax.legend(frameon=False)
+
+
+def _points(ax: Any, result: InverseResult, numbers: list[int]) -> None:
+    """Targets at one load factor, side by side."""
+    for label, values, color, marker in _lines(result):
+        told = [values[number][0] for number in numbers]
+        ax.plot(np.arange(len(numbers)), told, color=color, marker=marker, lw=0, label=label)
+    names = list(dict.fromkeys(result.names[number].replace("_", " ") for number in numbers))
+    ax.set_xticks(np.arange(len(numbers)))
+    ax.set(xlabel="target", title=", ".join(names))
+    ax.legend(frameon=False)
+
+
+def _thicker(ax: Any, result: InverseResult) -> None:
+    """Where a thicker sheet would bring the targets nearer."""
+    assert result.thicker is not None
+    mesh, pull = result.design.mesh, -result.thicker
+    most = float(np.abs(pull).max()) or 1.0
+    ax.tripcolor(
+        mesh.nodes[:, 0], mesh.nodes[:, 1], mesh.triangles, pull / most, cmap="RdBu", vmin=-1, vmax=1, edgecolors="face"
+    )
+    ax.set(aspect="equal", title="better thicker (blue), thinner (red)")
+    ax.set_axis_off()
 
 
 @style.styled

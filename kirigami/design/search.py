@@ -19,6 +19,7 @@ from kirigami.design.targets import critical_events, load_factors
 from kirigami.errors import AnalysisError, KirigamiError, KirigamiWarning
 from kirigami.files import whole_file
 from kirigami.primitives.kernel import Array
+from kirigami.results.gradients.fields import of_sheet
 
 if TYPE_CHECKING:
     from kirigami.design.inverse import Inverse
@@ -165,6 +166,25 @@ class Search:
         value = 0.5 * float((trial.errors**2).sum()) + float((trial.told * scales)[wished].sum())
         slope = trial.errors @ trial.slopes + trial.slopes[wished].sum(axis=0)
         return value, slope
+
+    def _thicker(self, design: Design, trial: Trial) -> Array | None:
+        """Derivatives (facets,) of what is to be small by the thickness of each facet, over its area."""
+        weights = np.concatenate([
+            np.full(len(target.lam), (target.wish or 1.0) / target.scale) for target in self.problem.targets
+        ])  # fmt: skip
+        weights *= np.where(np.concatenate([
+            np.full(len(target.lam), target.wish != 0) for target in self.problem.targets
+        ]), 1.0, trial.errors)  # fmt: skip
+        asked = [(target.functional, lam) for target in self.problem.targets for lam in target.lam.tolist()]
+        total = np.zeros(len(design.mesh.triangles))
+        try:
+            self.branch.go_to(design)
+            for weight, (functional, lam) in zip(weights.tolist(), asked):
+                for share, adjoint in self.branch.asked(functional, lam).parts:
+                    total += weight * share * of_sheet([adjoint], "thickness", "Inverse")[0]
+        except KirigamiError:
+            return None
+        return total / design.mesh.facet_areas
 
     # ---- what is kept
 
@@ -316,8 +336,9 @@ class Search:
         if not inside:
             messages[status] += "; its constraints are not met"
         _, slope = self.wishes(best)
+        design = self.design.at(self._inside(best.x))
         return InverseResult(
-            design=self.design.at(self._inside(best.x)), start=start,
+            design=design, start=start, thicker=None if status == "interrupted" else self._thicker(design, best),
             values=dict(zip(self.design.free, map(float, best.x))),
             error=error if fine else own, coarse_error=own,
             verified=bool(fine) and error <= problem.tolerance and inside,
