@@ -14,7 +14,7 @@ import numpy as np
 from kirigami.primitives.kernel import Array
 from kirigami.system.assembly import Index
 
-CROWDED = 3  # times the pairs that couple now: more than these are forgotten when new ones come
+CROWDED = 3  # times the pairs that couple now, and more than there are nodes: then the others are forgotten
 
 
 class CouplingPlan:
@@ -75,7 +75,8 @@ class CouplingPlan:
         pairs = np.unique((entries.row[kept] // self.dim).astype(np.int64) * self.nodes + entries.col[kept] // self.dim)
         joined = np.union1d(self.pairs, pairs)
         if len(joined) > len(self.pairs):
-            self.pairs = pairs if len(joined) > CROWDED * len(pairs) else joined
+            crowded = len(joined) > max(CROWDED * len(pairs), self.nodes)
+            self.pairs = pairs if crowded else joined
             self._codes = None
         return column[kept].astype(np.int64) * self.size + row[kept], entries.data[kept]
 
@@ -87,7 +88,10 @@ class CouplingPlan:
         row, column = np.broadcast_arrays(self.unknown[first][:, :, None], self.unknown[second][:, None])
         kept = (row >= 0) & (column >= 0)
         row, column = row[kept].astype(np.int64), column[kept].astype(np.int64)
-        self._codes = np.unique(np.concatenate([own, column * self.size + row, row * self.size + column]))
-        self._at = np.searchsorted(self._codes, own)
+        wanted = np.unique(np.concatenate([column * self.size + row, row * self.size + column]))
+        near = np.searchsorted(own, wanted)
+        new = wanted[own[np.minimum(near, len(own) - 1)] != wanted]
+        self._codes = np.insert(own, np.searchsorted(own, new), new)  # sorted both: no need to sort all
+        self._at = np.arange(len(own)) + np.searchsorted(new, own)
         self.indptr = np.searchsorted(self._codes, np.arange(self.size + 1) * self.size).astype(np.int32)
         self.indices = (self._codes % self.size).astype(np.int32)
