@@ -101,6 +101,10 @@ def test_laminates_have_a_thickness_of_their_own():
         with pytest.raises(kg.ModelError, match="Laminate"):
             kg.Laminate(layers)
     assert pair.density == pytest.approx((2.0 * 0.01 + 800.0 * 0.02) / 0.03)
+    upright = kg.TriMesh(np.array([[0, 0, 0], [0, 1, 0], [0, 1, 1], [0, 0, 1.0]]), [[0, 1, 2], [0, 2, 3]])
+    paper = kg.Orthotropic(2.0, 1.0, 0.3, 0.5, angle=0.3)
+    with pytest.raises(kg.ModelError, match="stands on it: give another axis"):  # nothing to count the angle from
+        kg.System(kg.Model.from_mesh(upright, 0.01, paper, "shell"))
     with pytest.raises(kg.ModelError, match="nu12 must lie between"):
         kg.Orthotropic(1.0, 4.0, 0.6, 1.0)
 

@@ -14,6 +14,7 @@ tangent, so that Newton's method becomes linear in it; the forces are exact.
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -21,7 +22,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from kirigami.errors import ModelError
+from kirigami.errors import KirigamiWarning, ModelError
 from kirigami.geometry.topology import paired_half_edges
 from kirigami.model.constraints import Constraint
 from kirigami.model.grip import Grip
@@ -34,6 +35,8 @@ from kirigami.primitives.parts import Numbering
 from kirigami.primitives.rotation import cross_matrices
 
 Index = NDArray[np.int64]
+CLOSES = 0.25  # area vectors that are left over their sizes, below which facets close round a space
+ROUND = 0.02  # ... of a space that is more than rounding
 IN_PLANE = 1e-9  # distance from a plane of symmetry over the size of the structure that is none
 
 
@@ -59,6 +62,12 @@ class Pressure(Load):
     ModelError
         A pressure that is not finite; in a run facets that are not there, a model with dim=2 or without facets, or
         facets that are turned against each other.
+
+    Warns
+    -----
+    KirigamiWarning
+        In a run, where the facets close round a space, as a tube or a balloon, and their normals point into it, so that
+        a positive pressure presses from outside.
 
     Examples
     --------
@@ -110,6 +119,8 @@ class Pressure(Load):
                     f"{item!r}: the two facets at the edge from {a} to {b} are turned against each other, so that the "
                     "pressure would change sides there: list their corners in the same sense"
                 )
+            if item.p > 0:
+                _tell_inward(numbering.rest[triangles], repr(item))
             rim = first[second < 0]
             ends = np.stack([start[rim], end[rim]], axis=1)
             if len(ends):
@@ -126,6 +137,28 @@ class Pressure(Load):
             f", {len(self.facets)} facets"
         )
         return f"Pressure({self.p:g}{where}{', constant=True' if self.constant else ''})"
+
+
+def _tell_inward(corners: Array, owner: str) -> None:
+    """Warn where facets with corners (n, 3, 3) close round a space that their normals point into.
+
+    The area vectors of what closes round a space cancel; the space is then a third of the sum of theirs times the ways
+    from its middle, with the sign of the side.
+    """
+    vectors = 0.5 * np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    area = np.linalg.norm(vectors, axis=1)
+    if np.linalg.norm(vectors.sum(axis=0)) > CLOSES * area.sum():
+        return
+    centres = corners.mean(axis=1)
+    ways = centres - np.average(centres, axis=0, weights=area)
+    if float((ways * vectors).sum()) < -ROUND * float(np.linalg.norm(ways, axis=1) @ area):
+        warnings.warn(
+            f"{owner}: its facets close round a space and their normals point into it, so that this pressure presses "
+            "on them from outside: give it the other sign, or list the corners of the facets the other way round, to "
+            "blow them up",
+            KirigamiWarning,
+            stacklevel=6,
+        )
 
 
 def _supports(numbering: Numbering) -> tuple[Array, NDArray[np.bool_], NDArray[np.bool_]]:

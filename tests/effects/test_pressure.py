@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import itertools
+import warnings
 from typing import Any
 
 import numpy as np
@@ -194,6 +196,39 @@ def test_what_cannot_be_is_refused() -> None:
     turned.add(kg.Pressure(1.0))
     with pytest.raises(kg.ModelError, match="turned against each other"):
         kg.System(turned)
+
+
+def tube(inward: bool, turns: float = 1.0, long: float = 3.0) -> kg.Model:
+    """A sleeve of a radius of 1, or a part of it."""
+    n, rows = 16, 4
+    angle, along = np.meshgrid(2 * np.pi * turns * np.arange(n + (turns < 1)) / n, np.linspace(0, long, rows + 1))
+    points = np.column_stack([np.cos(angle).ravel(), np.sin(angle).ravel(), along.ravel()])
+    count, facets = angle.shape[1], []
+    for row in range(rows):
+        for k in range(n):
+            a, b = row * count + k, row * count + (k + 1) % count
+            facets += [(a, b, b + count), (a, b + count, a + count)]
+    facets = [facet[::-1] for facet in facets] if inward else facets
+    return kg.Model.from_mesh(kg.TriMesh(points, facets), 0.01, kg.Material(1e6), stiffness="facet")
+
+
+def test_a_tube_whose_normals_point_inwards_is_told() -> None:
+    for inward, p, turns, long in itertools.product((True, False), (1.0, -1.0), (1.0, 0.5), (3.0, 60.0)):
+        m = tube(inward, turns, long)
+        m.add(kg.Pressure(p))
+        with warnings.catch_warnings(record=True) as told:
+            warnings.simplefilter("always")
+            kg.System(m)
+        said = [one for one in told if "point into it" in str(one.message)]
+        assert len(said) == (inward and p > 0 and turns == 1.0)
+    ball = octahedron()
+    ball.add(kg.Pressure(1.0))
+    flat = square("facet")
+    flat.add(kg.Pressure(1.0))
+    for m in (ball, flat):
+        with warnings.catch_warnings():
+            warnings.simplefilter("error")
+            kg.System(m)
 
 
 def test_inflated_square_membrane() -> None:
