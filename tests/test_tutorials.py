@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import runpy
 import sys
 import tempfile
@@ -9,6 +10,8 @@ from pathlib import Path
 
 import pytest
 from matplotlib import pyplot
+
+import kirigami as kg
 
 ROOT = Path(__file__).resolve().parent.parent
 TUTORIALS = sorted((ROOT / "tutorials").glob("*.py"))
@@ -33,6 +36,14 @@ def test_runs_and_meets_its_number(script: Path, tmp_path: Path, monkeypatch: py
     finally:
         pyplot.close("all")
     assert [path.name for path in tmp_path.rglob("*")] == ["temporary"]
+
+
+def test_a_newcomers_effect_takes_thirty_lines_of_public_names() -> None:
+    text = (ROOT / "tutorials" / "10_your_own_effect.py").read_text(encoding="utf-8")
+    cell = text.partition("@dataclass")[2].partition("# %%")[0]
+    assert "class Bed(" in cell and "class BedKernel(" in cell
+    assert 1 + sum(bool(line.strip()) for line in cell.splitlines()) <= 30
+    assert set(re.findall(r"\bkg\.(\w+)", text)) <= set(kg.__all__) and "from kirigami" not in text
 
 
 @pytest.mark.parametrize("script", TUTORIALS, ids=[script.stem for script in TUTORIALS])

@@ -28,8 +28,8 @@ import kirigami as kg
 # The bed pushes back with k w per area, w the displacement along z. A third of each facet's area A belongs to each of
 # its corners, so a facet stores k A / 3 (w1^2 + w2^2 + w3^2) / 2. Three more facts help the solver: `pairs` lists the
 # local pairs of nodes that have a Hessian block (here a corner with itself only), `anchored` says that moving the sheet
-# as a whole costs energy, and `name` is the key under which energy and seconds are reported. With
-# the imports above and saved as `bed.py`, the next cell is a complete extension: nothing has to be registered.
+# as a whole costs energy, and `name` is the key under which energy and seconds are reported. With the imports above and
+# saved as `bed.py`, the next cell, less than thirty lines, is a complete extension: nothing has to be registered.
 
 # %%
 @dataclass(frozen=True, eq=False)
@@ -178,7 +178,8 @@ assert abs(force / formula - 1) < 1e-3
 # Four more things, each a few lines and only where they are wanted:
 #
 # * **Load factor.** `scaled` says that the potential depends on `lam`. Where it does so other than linearly, `by_load`
-#   gives the rates of energy and gradient as well. A model that only this drives needs no load.
+#   gives the rates of energy and gradient as well. A model that only this drives needs no load. What results tell by
+#   `deformation` and `force`, and what `commit` accepts, may hang on it too: `deformation_at`, `force_at`, `commit_at`.
 # * **History.** `history` is what must be stored with a step to go on from it, and `commit` accepts an equilibrium.
 #   Between two commits the effect must have a potential, so `evaluate` never changes history.
 # * **Mass.** `mass` returns one matrix (k, k) for each member, the same along every axis.
