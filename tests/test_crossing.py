@@ -96,3 +96,16 @@ def test_a_run_that_pushes_a_strip_through_itself_says_so():
     res = kg.DisplacementControl(m, to=0.95, corrector="newton").run(on_failure="return")
     told = [event for event in res.events if event.kind == "crossing"]
     assert told and 0.849 < told[0].lam <= 0.95
+
+
+def test_parts_that_are_mirror_images_cross_on_the_rims_of_their_facets() -> None:
+    """Every edge of one meets the other just where two facets join, or at its rim."""
+    x = np.array([(0, 0, 0.0), (1, 0, 0), (0, 1, 0), (1, 1, 0)])
+    one, other = x.copy(), x.copy()
+    one[:, 2], other[:, 2] = x[:, 0] - 0.5, 0.5 - x[:, 0]
+    triangles = np.array([(0, 1, 3), (0, 3, 2)])
+    mesh = kg.TriMesh(np.concatenate([one, other]), np.concatenate([triangles, triangles + 4]))
+    found = crossings(mesh.nodes, mesh.edges, mesh.triangles)
+    assert len(found) and np.abs(found[:, [0, 2]] - [0.5, 0.0]).max() < 1e-12
+    apart = mesh.nodes + np.where(np.arange(8)[:, None] < 4, 0.0, [0.0, 1.5, 0.0])
+    assert not len(crossings(apart, mesh.edges, mesh.triangles))

@@ -15,8 +15,8 @@ import kirigami as kg
 
 ROOT = Path(__file__).resolve().parent.parent
 TUTORIALS = sorted((ROOT / "tutorials").glob("*.py"))
-LONG = ("05_which_shape",)
-LIBRARIES = {"04_your_own_drawing": ("svgelements", "ezdxf", "plotly")}
+LONG = ("05_which_shape", "13_yield_and_contact")
+LIBRARIES = {"04_your_own_drawing": ("svgelements", "ezdxf", "plotly"), "13_yield_and_contact": ("ipctk",)}
 
 
 @pytest.mark.parametrize(

@@ -1,8 +1,8 @@
 """Where a sheet passes through itself: edges of facets that pierce other facets.
 
 Facets are taken as the flat triangles of their corners, on every rung. The pairs that come close are found by `ipctk`
-(the extra ``contact``), and whether an edge pierces a facet is decided here: by more than a thousandth of the facet, so
-that lips of a slit, which coincide at rest, and facets that lie on each other are no crossing.
+(the extra ``contact``), and whether an edge pierces a facet is decided here: on both sides by more than a thousandth of
+the facet, so that lips of a slit, which coincide at rest, and facets that lie on each other are no crossing.
 """
 
 from __future__ import annotations
@@ -17,7 +17,8 @@ from kirigami.errors import AnalysisError
 from kirigami.primitives.checks import require_array
 from kirigami.primitives.kernel import Array
 
-PIERCED = 1e-3  # share of a facet by which an edge must pierce it
+PIERCED = 1e-3  # over the size of a facet: how far an edge must reach beyond it on both sides
+ON_RIM = 1e-9  # share of a facet that is its rim, which is pierced too: mirror images meet there
 INSTALL = "pip install 'kirigami-mechanics[contact]'"
 
 
@@ -74,4 +75,4 @@ def crossings(x: ArrayLike, edges: NDArray[np.int64], triangles: NDArray[np.int6
     )
     point = start + (low / (low - high))[:, None] * (end - start)
     shares = [np.einsum("na,na->n", np.cross(q - p, point - p), unit) / double for p, q in ((a, b), (b, c), (c, a))]
-    return np.asarray(point[np.min(shares, axis=0) > PIERCED])
+    return np.asarray(point[np.min(shares, axis=0) > -ON_RIM])

@@ -103,7 +103,7 @@ class YieldWatch:
         lam = step.lam
         bracket = (lam if before is None else before.lam, lam)
         where = f"between load factors {bracket[0]:.6g} and {lam:.6g}" if before else f"at load factor {lam:.6g}"
-        what = f"{100 * step.yielded:.2g} % of {'the sheet' if self.results.mesh is not None else 'the members'}"
+        what = f"{100 * step.yielded:.3g} % of {'the sheet' if self.results.mesh is not None else 'the members'}"
         if elastic:
             message = f"strained beyond the yield stress {where}, but elastic in this run: {what}"
         else:
