@@ -46,7 +46,7 @@ def hung(targets: Sequence[float] = (LITTLE, 0.2, 0.5, 1.0), nodes: int = 700) -
     model = kg.Model.from_mesh(mesh, stiffness="shell")
     middle = model.select(where=lambda x, y, z: np.hypot(x, y) < 0.8 * INNER)
     model.add(kg.Fix(middle), kg.Gravity((0, 0, -GRAVITY)))
-    return kg.LoadControl(model, targets=targets).run()
+    return kg.LoadControl(model, to=targets[-1], targets=targets).run()
 
 
 def weight_beyond(radius: float) -> float:
