@@ -123,10 +123,10 @@ def draw(results: kg.Results, without_lee: kg.Results) -> None:
     from matplotlib import pyplot as plt
     from mpl_toolkits.mplot3d.art3d import Poly3DCollection
 
-    figure = plt.figure(figsize=(12, 3.8), layout="constrained")
+    figure = plt.figure(figsize=(12, 3.8))
     whole = list(PUBLISHED)[-1]
     for place, c in enumerate((0.93, 8.7, whole)):
-        ax = figure.add_subplot(1, 4, place + 1, projection="3d")
+        ax = figure.add_axes((0.235 * place - 0.03, -0.1, 0.32, 1.15), projection="3d")
         corners = results.position()[np.argmin(np.abs(results.lam * whole - c))][results.mesh.triangles]
         halves = np.concatenate([corners, corners * [1, -1, 1]])
         normal = np.cross(halves[:, 1] - halves[:, 0], halves[:, 2] - halves[:, 0])
@@ -135,11 +135,12 @@ def draw(results: kg.Results, without_lee: kg.Results) -> None:
         lit = color * (0.5 + 0.5 * light[:, None])
         ax.add_collection3d(Poly3DCollection(halves, facecolors=lit, edgecolors=lit, linewidths=0.3))
         ax.set(xlim=(-RADIUS, RADIUS), ylim=(-RADIUS, RADIUS), zlim=(-0.2 * RADIUS, RADIUS))
-        ax.set_box_aspect((2, 2, 1.2), zoom=1.65)
+        ax.set_box_aspect((2, 2, 1.2), zoom=1.12)
         ax.view_init(35, 150)
         ax.set_axis_off()
-        ax.set_title(f"C = {c:g}")
-    ax = figure.add_subplot(1, 4, 4)
+        ax.patch.set_visible(False)
+        ax.set_title(f"C = {c:g}", y=0.8)
+    ax = figure.add_axes((0.77, 0.15, 0.22, 0.8))
     smooth = np.geomspace(0.1, whole, 100)
     ax.loglog(smooth, [drag_of_cone(c) for c in smooth], color="C0", label="published law")
     ax.loglog(smooth, [drag_of_cone(c, 5) for c in smooth], "--", color="C1", label="both layers pressed")

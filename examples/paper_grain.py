@@ -82,16 +82,17 @@ def main(angles: Sequence[float] = ANGLES) -> None:
 
 
 def draw(angles: Sequence[float], found: Sequence[float], sheets: Sequence[kg.Results]) -> None:
-    """Both sheets, and the energy set free over the angle of the grain."""
+    """Both sheets, coloured by stress, and the energy set free over the angle of the grain."""
     from matplotlib import pyplot as plt
 
-    figure = plt.figure(figsize=(12, 4.4), layout="constrained")
+    figure = plt.figure(figsize=(12, 4))
     for place, (results, name) in enumerate(zip(sheets, ("along", "across"))):
-        ax = figure.add_subplot(1, 3, place + 1, projection="3d")
-        results.plot(ax=ax, view=(35, -60), color="stress", magnify=MAGNIFIED)
+        ax = figure.add_axes((0.355 * place - 0.01, -0.08, 0.37, 1.1), projection="3d")
+        results.plot(ax=ax, view=(48, -70), color="stress", magnify=MAGNIFIED, colorbar=False)
         ax.set_axis_off()
-        ax.set_title(f"slit {name} the grain, displacements x {MAGNIFIED:g}")
-    ax = figure.add_subplot(1, 3, 3)
+        ax.patch.set_visible(False)
+        ax.set_title(f"slit {name} the grain", y=0.97)
+    ax = figure.add_axes((0.75, 0.15, 0.23, 0.78))
     smooth = np.linspace(0, 90, 91)
     ax.plot(smooth, [released_by_theory(angle) for angle in smooth], label="complex roots")
     ax.plot(angles, found, "o", label="shell facets")
