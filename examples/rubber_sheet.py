@@ -63,12 +63,12 @@ def draw(results: kg.Results, strain: float) -> None:
 
     figure = plt.figure(figsize=(12, 4.6))
     for place, share in enumerate((0.1, 0.5, 1.0)):
-        ax = figure.add_axes((0.21 * place - 0.06, -0.05, 0.36, 1.05), projection="3d")
+        ax = figure.add_axes((0.235 * place, 0.0, 0.25, 0.95), projection="3d")
         step = int(np.argmin(np.abs(results.lam - share)))
         results.plot(step, ax=ax, view=(35, -70), color="stress", colorbar=False)
         ax.set_axis_off()
         ax.patch.set_visible(False)
-        ax.set_title(f"{share * strain:.0%}", y=0.9)
+        ax.set_title(f"{share * strain:.0%}", y=0.98)
     ax = figure.add_axes((0.75, 0.13, 0.23, 0.8))
     ax.plot(100 * results.lam * strain, results.reaction("driven_0", "y"), label="slit")
     stretch = np.linspace(1, 1 + strain, 60)
