@@ -123,7 +123,10 @@ class PeriodicCell:
         worst = int(np.argmax(np.linalg.norm(off, axis=1)))
         if np.linalg.norm(off[worst]) > self._near:
             node, leader = (model.nodes[k] for k in self.images[worst, :2])
-            raise ModelError(f"PeriodicCell: {node!r} is not where the lattice puts the image of {leader!r}")
+            raise ModelError(
+                f"PeriodicCell: {node!r} is not where the lattice puts the image of {leader!r}; a cell is perturbed by "
+                "a shape that repeats"
+            )
 
     @property
     def shift_vectors(self) -> Array:

@@ -24,6 +24,7 @@ from kirigami.primitives.node import Node
 from kirigami.primitives.parts import Numbering
 
 Index = NDArray[np.int64]
+NEAR = 1e-6  # of the lattice vectors, within which places are the same
 NAMES = {1: ("e",), 3: ("exx", "eyy", "gxy")}
 
 
@@ -123,6 +124,14 @@ class Periodic(Constraint):
         vectors[:] = border.lattice
         scale = float(np.linalg.norm(vectors, axis=1).mean())
         repeats, sources, steps = border.images[:, 0], border.images[:, 1], border.images[:, 2:]
+        off = np.linalg.norm(numbering.rest[repeats] - numbering.rest[sources] - steps @ vectors, axis=1)
+        if off.max() > NEAR * scale:
+            worst = int(off.argmax())
+            raise ModelError(
+                f"the cell at rest does not repeat: {numbering.describe(int(repeats[worst]))} is {off[worst]:.3g} from "
+                f"where {numbering.describe(int(sources[worst]))} is repeated; perturb a cell by a shape that repeats, "
+                "as imperfect() does"
+            )
         on_border = len(repeats)
         beyond = np.empty((0, 2), np.int64)
         behind = [np.empty(0, np.int64)] * 2

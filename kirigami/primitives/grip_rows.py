@@ -35,7 +35,7 @@ class GripRows(FollowingRows):
     shift: int
     turn: int
     radius: float
-    words = "a Grip"
+    words = "a Grip or RigidLink"
     remedy = "put it into the Grip instead"
 
     @property

@@ -95,7 +95,10 @@ class System(Unknowns):
         self._coupled = [kernel for kernel in self.kernels if type(kernel).coupling is not Kernel.coupling]
         if self._coupled and self.grips is not None:
             names = ", ".join(kernel.name for kernel in self._coupled)
-            raise ModelError(f"{names} does not go with a Grip or RigidLink: hold and move nodes by Fix and Prescribe")
+            others = " and ".join(dict.fromkeys(group.words for group in self.grips.groups))
+            raise ModelError(
+                f"{names} does not go with {others}: hold and move nodes by Fix and Prescribe, a finite sheet of cells"
+            )
         self.couplings = CouplingPlan(self.unknown, self.free, self.dim) if self._coupled else None
         self._blocks_plan: BlockPlan | None = None
         self._links: tuple[Index, Index, Array] | None = None

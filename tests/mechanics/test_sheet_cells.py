@@ -301,6 +301,26 @@ def test_what_is_no_cell_or_no_wave_is_refused() -> None:
         plane.section()
 
 
+def test_a_rest_shape_that_does_not_repeat_is_told() -> None:
+    mesh, lattice = uncut(2)
+    m = kg.Model.from_mesh(mesh, THICKNESS, MATERIAL, "plate")
+    kg.PeriodicCell(m, lattice).impose((None, 0.1, None))
+    m.perturb(np.arange(len(m.nodes), dtype=float), amplitude=1e-3)
+    with pytest.raises(kg.ModelError, match="at rest does not repeat.*imperfect"):
+        kg.System(m)
+
+
+def test_cells_of_any_outline_that_tiles_are_the_sheet() -> None:
+    """A hexagon, whose six sides repeat along two lattice vectors and their difference."""
+    angle = np.arange(6) * math.pi / 3
+    corners = np.column_stack([np.cos(angle), np.sin(angle)])
+    mesh = kg.TriMesh([(0, 0), *corners.tolist()], [(0, 1 + k, 1 + (k + 1) % 6) for k in range(6)])
+    lattice = [(1.5, math.sqrt(0.75)), (0.0, 2 * math.sqrt(0.75))]
+    section = kg.PeriodicCell(kg.Model.from_mesh(mesh, THICKNESS, MATERIAL, "shell"), lattice).section()
+    assert section[:3, :3] == pytest.approx(PLANE, rel=1e-10, abs=1e-10 * PLANE.max())
+    assert section[3:, 3:] == pytest.approx(PLANE * THICKNESS**2 / 12, rel=1e-9, abs=1e-10 * RIGIDITY)
+
+
 def test_nodes_of_the_border_are_constrained_once() -> None:
     mesh, lattice = uncut(2)
     m = kg.Model.from_mesh(mesh, THICKNESS, MATERIAL, "plate")
