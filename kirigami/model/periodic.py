@@ -73,10 +73,6 @@ class Periodic(Constraint):
     def drives(self) -> bool:
         return not self.constant and any(self.strain)
 
-    @property
-    def links(self) -> bool:
-        return not self.drives
-
     def held(self, lam: float) -> Constraint:
         """The same, constant at load factor `lam`."""
         lam = require_finite(lam, "lam", "Periodic.held")

@@ -143,6 +143,7 @@ def test_stress_of_a_buckled_cell_is_the_slope_of_its_energy_and_the_tangent_tha
     law = cell.law(res)
     at = int(np.argmin(np.abs(res.lam - 0.5)))
     assert np.ptp(res.u[at, :, 2]) > 1.0  # it has buckled
+    assert cell.waves([0.0, 0.0], res[at]) > 0  # and is stable in what all cells do alike
     assert np.abs(law.stress[:, 0]).max() < 1e-6 * law.stress[at, 1]  # the width is free
     change = law.strain[at + 1] - law.strain[at - 1]
     assert law.energy[at + 1] - law.energy[at - 1] == pytest.approx(law.stress[at] @ change, rel=1e-5)
