@@ -101,6 +101,36 @@ def test_what_is_measured_against_the_drawing_changes_with_it(free):
     assert found == pytest.approx((np.array(sides[0]) - np.array(sides[1])) / (2 * step), rel=1e-5)
 
 
+@pytest.mark.parametrize("stiffness", ["plate", "shell"])
+def test_folds_follow_parameters(stiffness):
+    """A crease whose place and stiffness are parameters: its nodes stay on it, and gradients know both."""
+
+    def folds(at, stiff):
+        return [kg.Fold([(0, at), (0.1, at + 0.005)], stiffness=stiff)]
+
+    here = kg.Design(
+        [shapely.LineString([(0.03, 0.03), (0.07, 0.03)])], outline=BOX, supports=pulled(0.002), thickness=1e-3,
+        material=kg.Material(2e9, 0.3), folds=folds, mesh={"max_edge": 0.03}, stiffness=stiffness,
+        at=(0.05, 0.04, 0.06), stiff=(5.0, 1.0, 20.0),
+    )  # fmt: skip
+    moved = here.at(at=0.055, stiff=7.0).mesh
+    on = moved.nodes[np.unique(moved.folds[0].edges)]
+    assert on[:, 1] == pytest.approx(0.055 + 0.05 * on[:, 0], abs=1e-12)
+    assert moved.folds[0].stiffness == 7.0
+    res = here.walk([1.0])
+    asked = [("force", "driven_0", "y"), ("energy",)]
+    found = res.gradient(asked, here)
+    u = prepared(res.model).joined(res[-1].u, res[-1].inner)
+    for name in here.values:
+        step, sides = 1e-4 * here.span(name), []
+        for sign in (1, -1):
+            system = prepared(here._with({name: here.values[name] + sign * step}).model(), res[-1].history)
+            state = Equilibrium(system, u, 1.0)
+            sides.append([state.told(tell_of(item, res)).value for item in asked])
+        differences = (np.array(sides[0]) - np.array(sides[1])) / (2 * step)
+        assert [rates[name] for rates in found] == pytest.approx(differences, rel=1e-4)
+
+
 def test_finer_and_remeshed():
     start = design().at(inner=0.8)
     assert len(start.finer().mesh.nodes) > 1.4 * len(start.mesh.nodes)

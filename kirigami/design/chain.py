@@ -96,7 +96,7 @@ class Chain:
         if self._by_line is None or not (self._still or self._supports_stay({name: self._ahead(name)})):
             return None
         found = np.zeros(len(self._adjoints))
-        if self.design._takes(name, "cuts", "outline"):
+        if self.design._takes(name, "cuts", "outline", "folds"):
             more, less = (side._on_lines() for side in sides)
             found = np.einsum("kna,na->k", self._by_line, more - less) / (2 * step)
         if self._needs_arrays(name):

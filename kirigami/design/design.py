@@ -14,7 +14,8 @@ from kirigami.deferred import deferred
 from kirigami.design.chain import STEP, Chain
 from kirigami.design.potentials import Changed, potentials
 from kirigami.elements.stiffness import rung_named
-from kirigami.errors import KirigamiWarning, ModelError
+from kirigami.errors import GeometryError, KirigamiWarning, ModelError
+from kirigami.geometry.fold_line import FoldEdges
 from kirigami.geometry.mesh import TriMesh
 from kirigami.geometry.moving import POOR, Follower, check_topology, with_nodes
 from kirigami.geometry.sheet import Sheet
@@ -59,6 +60,8 @@ class Design:
         Thickness [length], a function of parameters, or ``(start, low, high)``, which makes it a parameter.
     material : Material, Orthotropic, Laminate or callable
         The material, or a function of parameters.
+    folds : Fold, sequence of Folds, or callable
+        Creases, as of a :class:`Sheet`, or a function of parameters that returns them: as many, with as many corners.
     mesh : mapping, optional
         Arguments of :meth:`Sheet.mesh`; by default ``{"nodes": 1000}``.
     stiffness : str
@@ -114,6 +117,7 @@ class Design:
         supports: Callable[[Model], Any] | LoadCase,
         thickness: Any = None,
         material: Any = None,
+        folds: Any = (),
         mesh: Mapping[str, Any] | None = None,
         stiffness: str = "shell",
         imperfection: float | None = None,
@@ -134,7 +138,7 @@ class Design:
         self._hold = None if self.case is not None else require_callable(supports, "supports", "Design")
         settings = {"nodes": 1000} if mesh is None else dict(require_mapping(mesh, "mesh", "Design"))
         self.mesh_settings: dict[str, Any] = settings
-        self._made = {"cuts": cuts, "outline": outline, "thickness": thickness, "material": material}
+        self._made = {"cuts": cuts, "outline": outline, "thickness": thickness, "material": material, "folds": folds}
         if thickness is not None and not callable(thickness):
             require_positive(thickness, "thickness", "Design")
         self._amplitude = None if imperfection is None else require_finite(imperfection, "imperfection", "Design")
@@ -154,9 +158,9 @@ class Design:
         sheet = self.sheet()
         lines = {} if self.case is None else {"lines": set_up(self.case, sheet).lines}
         self._reference_mesh: TriMesh = sheet.mesh(**{**lines, **self.mesh_settings})
-        self._drawn = (sheet.outline, sheet.cuts)
+        self._drawn = (sheet.outline, sheet.cuts, lines_of(sheet))
         self._drawn_at = dict(self.values)
-        check_topology(*self._drawn, self._drawn, "Design")
+        check_topology(*self._drawn[:2], self._drawn[:2], "Design")
         self._follower = Follower(self._reference_mesh, *self._drawn)
         self._offsets: list[Array] = []  # the imperfection, once it was needed: one for all that share the mesh
         self._mesh: TriMesh | None = None
@@ -241,7 +245,9 @@ class Design:
         material = self._call("material")
         if material is not None and not isinstance(material, SheetMaterial):
             raise ModelError(f"Design: material() must return a material, got {shown(material)}")
-        return Sheet(self._call("outline"), self._call("cuts"), self._call("thickness"), material)
+        return Sheet(
+            self._call("outline"), self._call("cuts"), self._call("thickness"), material, self._call("folds")
+        )  # fmt: skip
 
     def _takes(self, name: str, *which: str) -> bool:
         """Whether one of "cuts", "outline", "thickness", "material" is a function of a parameter."""
@@ -254,15 +260,24 @@ class Design:
         if self._mesh is None:
             sheet = self.sheet()
             where = f"Design at {', '.join(f'{name}={value:.6g}' for name, value in self.values.items())}"
-            check_topology(sheet.outline, sheet.cuts, self._drawn, where)
-            points = self._follower.points(sheet.outline, sheet.cuts)
-            self._mesh = with_nodes(self._reference_mesh, points, tell=False)
+            check_topology(sheet.outline, sheet.cuts, self._drawn[:2], where)
+            creases = lines_of(sheet)
+            if [len(line.coords) for line in creases] != [len(line.coords) for line in self._drawn[2]]:
+                raise GeometryError(f"{where}: folds change in number or corners, which must stay")
+            points = self._follower.points(sheet.outline, sheet.cuts, creases)
+            moved = with_nodes(self._reference_mesh, points, tell=False)
+            if callable(self._made["folds"]):  # their angles and stiffnesses may be functions as well
+                edges = [fold.edges for fold in moved.folds]
+                moved = moved.with_folds(
+                    [FoldEdges(ends, fold.angle, fold.stiffness) for ends, fold in zip(edges, sheet.folds)]
+                )
+            self._mesh = moved
         return self._mesh
 
     def _on_lines(self) -> Array:
         """Displacements (k, 2) of the nodes that lie on lines, which those of all follow from."""
         sheet = self.sheet()
-        return self._follower.on_lines(sheet.outline, sheet.cuts)
+        return self._follower.on_lines(sheet.outline, sheet.cuts, lines_of(sheet))
 
     def ligament(self) -> float:
         """Least distance [length] of two cuts, or of a cut and the outline that it does not reach."""
@@ -399,6 +414,11 @@ class Design:
     def __repr__(self) -> str:
         told = ", ".join(f"{name}={value:.6g}" for name, value in self.values.items())
         return f"Design({told}; {len(self._reference_mesh.nodes)} nodes)"
+
+
+def lines_of(sheet: Sheet) -> tuple[Any, ...]:
+    """The lines of the folds of a sheet."""
+    return tuple(fold.line for fold in sheet.folds)
 
 
 def _take_thickness(thickness: float) -> float:

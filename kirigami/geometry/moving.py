@@ -134,11 +134,14 @@ def with_nodes(mesh: TriMesh, points: Floats, tell: bool = True) -> TriMesh:
 
 
 class Follower:
-    """Which drawn line each boundary node of a mesh lies on, and where it goes when lines of the same topology move."""
+    """Which drawn line each node on the boundary or on a fold of a mesh lies on, and where it goes when lines of one
+    topology move."""
 
-    def __init__(self, mesh: TriMesh, outline: shapely.Polygon, cuts: tuple[Any, ...]) -> None:
+    def __init__(
+        self, mesh: TriMesh, outline: shapely.Polygon, cuts: tuple[Any, ...], folds: tuple[Any, ...] = ()
+    ) -> None:
         self.mesh = mesh
-        self.lines = [_corners(outline), *(_corners(cut) for cut in cuts)]
+        self.lines = [_corners(outline), *(_corners(cut) for cut in cuts), *(_corners(fold) for fold in folds)]
         size = mesh.size
         outer = mesh.boundary("outer")
         line, piece, share = [np.full(len(mesh.nodes), -1) for _ in range(2)] + [np.zeros(len(mesh.nodes))]
@@ -162,21 +165,28 @@ class Follower:
         for node in inner.tolist():  # holes of the outline
             distance, at, t = _nearest(self.lines[0], mesh.nodes[node, :2])
             line[node], piece[node], share[node] = 0, at, t
+        for number, fold in enumerate(mesh.folds, start=1 + len(cuts)):
+            for node in np.unique(fold.edges).tolist():
+                _, at, t = _nearest(self.lines[number], mesh.nodes[node, :2])
+                if line[node] == 0 and node not in self._crossing:  # where a fold ends at the outline
+                    self._crossing[node] = (number, at, int(piece[node]))
+                elif line[node] < 0:
+                    line[node], piece[node], share[node] = number, at, t
         self.nodes = np.flatnonzero(line >= 0)
         self._line, self._piece, self._share = line[self.nodes], piece[self.nodes], share[self.nodes]
         self._extension = Extension(mesh, self.nodes)
 
-    def points(self, outline: shapely.Polygon, cuts: tuple[Any, ...]) -> Floats:
-        """Places (n, 2) of all nodes for an outline and cuts of the same topology."""
-        return np.asarray(self.mesh.nodes[:, :2] + self._extension.field(self.on_lines(outline, cuts)))
+    def points(self, outline: shapely.Polygon, cuts: tuple[Any, ...], folds: tuple[Any, ...] = ()) -> Floats:
+        """Places (n, 2) of all nodes for an outline, cuts and folds of the same topology."""
+        return np.asarray(self.mesh.nodes[:, :2] + self._extension.field(self.on_lines(outline, cuts, folds)))
 
     def back(self, by_nodes: Floats) -> Floats:
         """Derivatives (k, 2) by what :meth:`on_lines` tells of what has some (n, 2) by the places of the nodes."""
         return self._extension.back(by_nodes)
 
-    def on_lines(self, outline: shapely.Polygon, cuts: tuple[Any, ...]) -> Floats:
+    def on_lines(self, outline: shapely.Polygon, cuts: tuple[Any, ...], folds: tuple[Any, ...] = ()) -> Floats:
         """Displacements (k, 2) of the nodes on lines, from where they were meshed."""
-        lines = [_corners(outline), *(_corners(cut) for cut in cuts)]
+        lines = [_corners(outline), *(_corners(cut) for cut in cuts), *(_corners(fold) for fold in folds)]
         change = np.zeros((len(self.nodes), 2))
         for number, (before, after) in enumerate(zip(self.lines, lines)):
             on = np.flatnonzero(self._line == number)

@@ -88,6 +88,7 @@ ACCEPTED: dict[tuple[str, str], tuple[str, tuple[str, ...]]] = {
     ("Sheet", "cuts"): ("no cuts", ("empty list",)),
     ("CellSheet", "cuts"): ("no cuts", ("empty list",)),
     ("Design", "cuts"): ("no cuts", ("empty list",)),
+    ("Design", "folds"): ("no folds", ("empty list",)),
     ("Sheet", "folds"): ("no folds", ("empty list",)),
     ("TriMesh", "folds"): ("no folds", ("empty list",)),
     ("TriMesh.with_folds", "folds"): ("no folds", ("empty list",)),

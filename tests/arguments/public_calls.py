@@ -446,7 +446,7 @@ CALLS: dict[str, Callable[[], Call]] = {
     "Design": lambda: (kg.Design, {
         "cuts": [], "outline": [(0, 0), (1, 0), (1, 2), (0, 2)], "supports": hold, "thickness": take_size,
         "material": kg.Material(E=1e6), "mesh": {"max_edge": 1.0}, "stiffness": "plate", "imperfection": 0.01,
-        "seed": 0, "size": (0.1, 0.05, 0.2),
+        "folds": [kg.Fold([(0, 1), (1, 1)])], "seed": 0, "size": (0.1, 0.05, 0.2),
     }),
     "Design.at": lambda: (drawn().at, {"size": 0.12}),
     "Design.export": lambda: (pulled_design().export, {"folder": folder(), "finer": 1.5}),
