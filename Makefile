@@ -21,11 +21,11 @@ test: $(VENV)/installed
 validate: $(VENV)/installed
 	$(THREADS) MPLBACKEND=Agg $(BIN)/python -m pytest -m long
 
-# A thousand random cut sheets, an hour on two cores; run again, it goes on where it was (table: random_sheets.csv).
-# With the default corrector of the package, four times as long: CORRECTOR=newton.
-CORRECTOR ?= descent
+# Random cut sheets with default settings, a thousand on bars and hinges and two hundred on shells: hours on two cores. Run
+# again, it goes on where it was (tables: random_sheets_plate.csv, random_sheets_shell.csv).
 random-sheets: $(VENV)/installed
-	$(THREADS) MPLBACKEND=Agg $(BIN)/python benchmarks/random_sheets.py --corrector $(CORRECTOR) --table random_sheets.csv
+	$(THREADS) MPLBACKEND=Agg $(BIN)/python benchmarks/random_sheets.py --table random_sheets_plate.csv
+	$(THREADS) MPLBACKEND=Agg $(BIN)/python benchmarks/random_sheets.py --stiffness shell --seeds 200 --table random_sheets_shell.csv
 
 # Runs CalculiX, OpenSeesPy and a headless browser: Debian packages calculix-ccx and chromium.
 external: $(VENV)/installed
