@@ -280,7 +280,7 @@ def main() -> int:
     parser.add_argument("--workers", type=int, default=2, help="processes at a time")
     parser.add_argument("--limit", type=float, default=300.0, help="seconds of processor time allowed for one sheet")
     parser.add_argument("--seconds", type=float, default=np.inf, help="begin no sheet after this time")
-    parser.add_argument("--corrector", default="path", help="path, the default of the package, newton, descent, viscous or slow")
+    parser.add_argument("--corrector", default="path", help="path, the default of the package, or any other")
     parser.add_argument("--stiffness", default="plate", help="plate, the default of Model.from_mesh, facet or shell")
     parser.add_argument("--small", action="store_true", help="at most five cuts, and 50 to 150 nodes where they allow")
     parser.add_argument("--work", action="store_true", help=argparse.SUPPRESS)
