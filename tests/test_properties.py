@@ -175,8 +175,8 @@ def test_saved_and_handed_over(tmp_path):
         (height, float(material.split(",")[0])) for height, material in (expected[k] for k in range(len(told)))
     ]
     paper = kg.Model.from_mesh(sheet, 0.01, PAPER, "shell")
-    with pytest.raises(kg.ModelError, match="isotropic materials only"):
-        paper.to_abaqus(tmp_path / "no.inp")
+    with pytest.raises(kg.ModelError, match="sheets of Material only"):
+        paper.to_openseespy(tmp_path / "no.py")
 
 
 def test_laminates_are_saved(tmp_path):

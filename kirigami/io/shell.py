@@ -18,7 +18,7 @@ from kirigami.model.model import Model
 from kirigami.model.spread_loads import AreaLoad, EdgeLoad, Gravity, SpreadLoad, Surface
 from kirigami.primitives.checks import require_array, require_instance, shown
 from kirigami.primitives.kernel import Array
-from kirigami.primitives.material import Material
+from kirigami.primitives.material import Material, SheetMaterial
 from kirigami.primitives.node import AXES
 from kirigami.primitives.parts import Numbering
 from kirigami.results.supports import named
@@ -36,7 +36,7 @@ class Shell:
         Rest positions, the stress-free imperfection included.
     triangles : ndarray of int, shape (m, 3)
         Facets, counter-clockwise.
-    parts : list of (float, Material, ndarray of int)
+    parts : list of (float, SheetMaterial, ndarray of int)
         Thickness [length], material and facets of each part that has one thickness and material.
     held : dict of (node, axis) to (constant, driven)
         Known displacements: constant part, and part that grows with the load factor.
@@ -50,7 +50,7 @@ class Shell:
 
     nodes: Array
     triangles: NDArray[np.int64]
-    parts: list[tuple[float, Material, NDArray[np.int64]]]
+    parts: list[tuple[float, Any, NDArray[np.int64]]]
     held: dict[tuple[int, int], tuple[float, float]] = field(default_factory=dict)
     clamped: NDArray[np.int64] = field(default_factory=lambda: np.empty(0, np.int64))
     loads: dict[tuple[int, int], tuple[float, float]] = field(default_factory=dict)
@@ -62,7 +62,7 @@ class Shell:
         return any(constant != 0 for group in (self.held, self.loads) for constant, _ in group.values())
 
 
-def shell_of(model: Model, owner: str) -> Shell:
+def shell_of(model: Model, owner: str, materials: tuple[type[SheetMaterial], ...] = (Material,)) -> Shell:
     """The model as shell triangles.
 
     Parameters
@@ -71,6 +71,8 @@ def shell_of(model: Model, owner: str) -> Shell:
         Made by ``Model.from_mesh`` with any `stiffness`, in three dimensions, with supports and dead loads only.
     owner : str
         Who asks, for messages.
+    materials : tuple of type
+        Materials that can be handed over.
 
     Raises
     ------
@@ -100,7 +102,7 @@ def shell_of(model: Model, owner: str) -> Shell:
     shell = Shell(
         model.positions()[: len(mesh.nodes)],
         mesh.triangles,
-        _parts(model.sheet_constants, len(mesh.triangles), owner),
+        _parts(model.sheet_constants, len(mesh.triangles), owner, materials),
     )
     clamped: set[int] = set()
     boundary = mesh.edges[mesh.boundary_edges]
@@ -135,8 +137,8 @@ def _load(shell: Shell, model: Model, load: Any, owner: str) -> None:
 
 
 def _parts(
-    constants: SheetConstants, count: int, owner: str
-) -> list[tuple[float, Material, NDArray[np.int64]]]:
+    constants: SheetConstants, count: int, owner: str, served: tuple[type[SheetMaterial], ...]
+) -> list[tuple[float, Any, NDArray[np.int64]]]:
     """The parts of a sheet that have one thickness and material, the thinnest first."""
     number, materials = constants.material_of_facets(count)
     thickness = constants.thickness_of_facets(count)
@@ -144,8 +146,9 @@ def _parts(
     found = []
     for part, (position, height) in enumerate(pairs.tolist()):
         material = materials[int(position)]
-        if not isinstance(material, Material):
-            raise ModelError(f"{owner} cannot hand over {material!r}: it writes isotropic materials only")
+        if not isinstance(material, served):
+            known = ", ".join(kind.__name__ for kind in served)
+            raise ModelError(f"{owner} cannot hand over {material!r}: it writes sheets of {known} only")
         found.append((height, material, np.flatnonzero(which.ravel() == part)))
     return found
 

@@ -9,6 +9,7 @@ import shutil
 import subprocess
 import sys
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -210,6 +211,49 @@ def test_a_model_that_is_not_the_sheet_is_refused(rung: str, write, tmp_path: Pa
     assert not list(tmp_path.iterdir())
 
 
+PLY = {"E1": 8e9, "E2": 1e9, "nu12": 0.3, "G12": 0.6e9}
+LAID = kg.Laminate([
+    (kg.Orthotropic(**PLY, angle=0.6, density=900.0), 0.006), (kg.Material(3e9, 0.3), 0.008),
+    (kg.Orthotropic(**PLY, angle=-0.2), 0.006),
+])  # fmt: skip
+CROSS = kg.Laminate([(kg.Orthotropic(**PLY, angle=angle), 0.01) for angle in (0.0, np.pi / 2)])
+
+
+def laid(material: Any, thickness: float | None, upright: bool = False, **moves: float) -> kg.Model:
+    """A strip of a material with directions, clamped at one end and moved at the other."""
+    x, y = np.meshgrid(np.linspace(0, 4, 13), np.linspace(0, 1, 4))
+    corners = [13 * row + column for row in range(3) for column in range(12)]
+    facets = np.array([facet for a in corners for facet in ((a, a + 1, a + 14), (a, a + 14, a + 13))])
+    places = np.column_stack([x.ravel(), y.ravel(), 0.0 * x.ravel()])
+    mesh = kg.TriMesh(places[:, [0, 2, 1]] if upright else places, facets)
+    m = kg.Model.from_mesh(mesh, thickness, material, "shell")
+    left, right = m.select(where=lambda x, y, z: x < 1e-9), m.select(where=lambda x, y, z: x > 4 - 1e-9)
+    m.add(kg.Fix(left, clamp=True), kg.Prescribe(right, **moves))
+    return m
+
+
+def test_layers_and_directions_are_handed_over_to_abaqus(tmp_path: Path) -> None:
+    text = to_abaqus(laid(LAID, None, x=1e-3), tmp_path / "laid.inp").read_text()
+    _, _, section = text.partition("*SHELL SECTION, ELSET=SHEET, COMPOSITE\n")
+    assert section.splitlines()[:3] == [  # from the lower face
+        "0.006, 3, SHEET_0, AXES_SHEET_0", "0.008, 3, SHEET_1", "0.006, 3, SHEET_2, AXES_SHEET_2"
+    ]
+    for number, angle in ((0, 0.6), (2, -0.2)):
+        axes = text.partition(f"*ORIENTATION, NAME=AXES_SHEET_{number}, SYSTEM=RECTANGULAR\n")[2].splitlines()
+        first = np.array(axes[0].split(","), dtype=float)[:2]
+        assert first == pytest.approx([np.cos(angle), np.sin(angle)]) and axes[1] == "3, 0."
+    constants = text.partition("*ELASTIC, TYPE=ENGINEERING CONSTANTS\n")[2].splitlines()[0].split(",")
+    assert [float(value) for value in constants][:4] == [8e9, 1e9, 1e9, 0.3]
+    paper = to_abaqus(laid(kg.Orthotropic(**PLY, angle=0.5), 0.02, x=1e-3), tmp_path / "paper.inp").read_text()
+    assert "*SHELL SECTION, ELSET=SHEET, MATERIAL=SHEET, ORIENTATION=AXES_SHEET\n0.02\n" in paper
+    with pytest.raises(kg.ModelError, match="does not face"):
+        to_abaqus(laid(CROSS, None, upright=True, x=1e-3), tmp_path / "upright.inp")
+    with pytest.raises(kg.ModelError, match="to_abaqus cannot hand over NeoHookean"):
+        to_abaqus(laid(kg.NeoHookean(1e6), 0.02, x=1e-3), tmp_path / "rubber.inp")
+    with pytest.raises(kg.ModelError, match="to_openseespy cannot hand over Laminate"):
+        to_openseespy(laid(CROSS, None, x=1e-3), tmp_path / "laid.py")
+
+
 # ------------------------------------------------------------------------------------------- runs
 
 
@@ -251,6 +295,19 @@ def test_plate_patch_in_tension(code, tolerance: float, tmp_path: Path) -> None:
     exact = 2e9 * 0.02 * 4 * np.sqrt(3) / 2 * 1e-3
     assert ours == pytest.approx(exact, rel=1e-2)  # the half facets at the ends are not equilateral
     assert code(m, tmp_path, "DRIVEN_0", 0) == pytest.approx(exact, rel=tolerance)
+
+
+@pytest.mark.external
+@pytest.mark.parametrize("material, thickness", [(kg.Orthotropic(**PLY, angle=0.5), 0.02), (CROSS, None), (LAID, None)])
+@pytest.mark.parametrize("up", [1e-3, -1e-3])
+def test_layers_bear_in_calculix_what_they_bear_here(
+    material: Any, thickness: float | None, up: float, tmp_path: Path
+) -> None:
+    """Pulled, and lifted or pushed, which tells the lower face from the upper one."""
+    m = laid(material, thickness, x=4e-4, z=up)
+    ours = kg.DisplacementControl(m, on_instability="follow").run().reaction("driven_0")[-1]
+    assert calculix(m, tmp_path, "DRIVEN_0", 0) == pytest.approx(ours[0], rel=0.01)
+    assert calculix(m, tmp_path, "DRIVEN_0", 2) == pytest.approx(ours[2], abs=0.01 * np.abs(ours[2]) + 0.06)
 
 
 @pytest.mark.external
