@@ -129,6 +129,23 @@ def test_what_is_out_of_reach_is_told():
     assert "%" in found.message
 
 
+def test_what_is_not_finite_on_the_way_keeps_the_best():
+    """A function of the user's that fails for some designs: they do not count, and are told in the history."""
+    start = design(edge=1.0, stiffness="plate")
+    top = [node for node, (x, y, z) in enumerate(start.mesh.nodes.tolist()) if y == 0.08]
+    wanted, calls = float(forces(start.at(inner=0.8), [1.0])[0]), []
+
+    def pull(x, f):
+        calls.append(float(f[top, 1].sum()))
+        by_force = np.zeros_like(f)
+        by_force[top, 1] = 1.0
+        return (float("nan") if len(calls) == 3 else calls[-1]), np.zeros_like(x), by_force
+
+    found = kg.Inverse(start, (pull, 1.0, wanted), corrections=None, evaluations=8).run()
+    assert found.coarse_error < 0.01
+    assert [number for number, entry in enumerate(found.history) if "finite" in entry["why"]] == [2]
+
+
 def test_an_interrupted_search_keeps_its_best_and_goes_on(tmp_path):
     lams, path = [1.0], tmp_path / "search.json"
     start = design(edge=1.0)

@@ -16,7 +16,7 @@ from kirigami.design.branch import Branch, rates
 from kirigami.design.design import Design
 from kirigami.design.methods import GoodEnoughError, OutOfEvaluationsError, optimise
 from kirigami.design.targets import critical_events, load_factors
-from kirigami.errors import AnalysisError, KirigamiError, KirigamiWarning
+from kirigami.errors import AnalysisError, KirigamiError, KirigamiWarning, ModelError
 from kirigami.files import whole_file
 from kirigami.primitives.kernel import Array
 from kirigami.results.gradients.fields import of_sheet
@@ -86,7 +86,9 @@ class Search:
         if not failed:
             try:
                 found = self._evaluated(x)
-            except AnalysisError as error:  # what is asked for wrongly is no matter of the design, and is raised
+            except (AnalysisError, ModelError) as error:
+                if isinstance(error, ModelError) and self.best is None:
+                    raise  # asked for wrongly, which is no matter of the design
                 failed = str(error)
         if failed:
             self._note(x, float("nan"), failed)
