@@ -68,7 +68,7 @@ class ShelteredFlow(kg.FlowPressure):
 
     @classmethod
     def lower(cls, objects: Sequence[ShelteredFlow], numbering: kg.Numbering) -> list[kg.Kernel]:
-        return [Sheltered(**kernel.arrays()) for kernel in super().lower(objects, numbering)]
+        return [Sheltered(numbering.rest, **kernel.arrays()) for kernel in super().lower(objects, numbering)]
 
 
 def half_disc(rings: int = 8, rays: int = 24) -> kg.TriMesh:

@@ -68,7 +68,7 @@ def draw(results: kg.Results, strain: float) -> None:
         results.plot(step, ax=ax, view=(35, -70), color="stress", colorbar=False)
         ax.set_axis_off()
         ax.patch.set_visible(False)
-        ax.set_title(f"{share * strain:.0%}", y=0.98)
+        ax.set_title(f"{share * strain:.0%}", y=1.08)
     ax = figure.add_axes((0.75, 0.13, 0.23, 0.8))
     ax.plot(100 * results.lam * strain, results.reaction("driven_0", "y"), label="slit")
     stretch = np.linspace(1, 1 + strain, 60)

@@ -7,7 +7,7 @@ q cos^2 of the angle between normal and flow, pushing with the flow:
 
 a third of it at each corner. What is in the lee of something else is not told apart, and q is what the flow makes of
 its dynamic pressure on a plate across it. The force has no potential: it follows the sheet, and its tangent is the
-symmetric part.
+symmetric part; the rest is known to paths by :mod:`kirigami.analysis.path.skew`.
 """
 
 from __future__ import annotations

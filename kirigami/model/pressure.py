@@ -9,7 +9,7 @@ so the pressure does work by the potential -p V, whose Hessian is symmetric, and
 -(p/3) N_a x x dx_s on each edge of it. The rest does no work where the rim is closed, is held, or lies in a plane of
 symmetry through o. Elsewhere, as at every open cut, the pressure has no potential (Schweizerhof and Ramm, Comput.
 Struct. 18 (1984), 1099): the kernel of the rim then says ``conservative = False`` and gives the symmetric part of its
-tangent, so that Newton's method becomes linear in it; the forces are exact.
+tangent; what that lacks, paths know by :mod:`kirigami.analysis.path.skew`. The forces are exact.
 """
 
 from __future__ import annotations
