@@ -5,7 +5,7 @@ BIN = $(VENV)/bin
 # One thread each: the suite runs in two processes, and the default solver is sequential.
 THREADS = OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1
 
-.PHONY: demo gallery test validate random-sheets external packaging notebooks docs lint clean
+.PHONY: demo gallery test validate random-sheets crossings external packaging notebooks docs lint clean
 
 demo: $(VENV)/ready
 	$(BIN)/kirigami demo --folder demo
@@ -26,6 +26,11 @@ validate: $(VENV)/installed
 random-sheets: $(VENV)/installed
 	$(THREADS) MPLBACKEND=Agg $(BIN)/python benchmarks/random_sheets.py --table random_sheets_plate.csv
 	$(THREADS) MPLBACKEND=Agg $(BIN)/python benchmarks/random_sheets.py --stiffness shell --seeds 200 --table random_sheets_shell.csv
+
+# Whether anything crosses in a thousand random sheets with self-contact and 200 folded ones: some hours on one core.
+MINUTES ?= 600
+crossings: $(VENV)/installed
+	$(THREADS) MPLBACKEND=Agg $(BIN)/python benchmarks/nothing_crosses.py --sheets 1000 --folded 200 --minutes $(MINUTES)
 
 # Runs CalculiX, OpenSeesPy and a headless browser: Debian packages calculix-ccx and chromium.
 external: $(VENV)/installed

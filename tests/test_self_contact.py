@@ -94,7 +94,7 @@ def test_the_clamped_elastica_touches_itself_where_it_must():
     assert not any(event.kind == "crossing" for event in res.events) and bool(res.stable.all())
 
 
-@pytest.mark.parametrize("rung", ["plate", "facet", "shell"])
+@pytest.mark.parametrize("rung", kg.stiffness.RUNGS)
 def test_two_sheets_pressed_together_balance(rung):
     mesh = stacked(0.03)
     m = kg.Model.from_mesh(mesh, thickness=0.02, material=PET, stiffness=rung)
