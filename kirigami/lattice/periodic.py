@@ -179,7 +179,9 @@ class PeriodicCell:
     def _pairs(self) -> list[tuple[int, int]]:
         return [(self._axes[a], self._axes[b]) for a, b in VOIGT[len(self._axes)]]
 
-    def impose(self, strain: ArrayLike | Sequence[float | None], constant: bool = False) -> tuple[Any, ...]:
+    def impose(
+        self, strain: ArrayLike | Sequence[float | None], constant: bool = False, hold: bool = True
+    ) -> tuple[Any, ...]:
         """Add to the model what repeats the cell, with a mean strain at load factor 1, and hold one node.
 
         Parameters
@@ -190,6 +192,9 @@ class PeriodicCell:
             stress along it vanishes; what such sheets are given is (1 + E), however large, without mean rotation.
         constant : bool
             The strain acts in full whatever the load factor.
+        hold : bool
+            Whether a node is held, which stops the motions of the whole and bears nothing. False is for modes and
+            motions, where it would bear the forces of inertia.
 
         Returns
         -------
@@ -202,8 +207,9 @@ class PeriodicCell:
             A strain of a wrong shape, that is not finite, or that is free where the cell is no sheet in space.
         """
         constant = require_boolean(constant, "constant", "PeriodicCell.impose")
+        hold = require_boolean(hold, "hold", "PeriodicCell.impose")
         if self.border is not None:
-            item = self._constraint(self._strains(strain), constant)
+            item = self._constraint(self._strains(strain), constant, hold)
             self.model.add(item)
             return (item,)
         gradient = self.gradient(strain)  # type: ignore[arg-type]
@@ -214,9 +220,9 @@ class PeriodicCell:
             [nodes[k] for k in self.images[:, 0]], [nodes[k] for k in self.images[:, 1]], dofs,
             **{axis: difference[:, number] for number, axis in enumerate(dofs)}, constant=constant,
         )  # fmt: skip
-        held = Fix(nodes[int(self.images[0, 1])], dofs)
-        self.model.add(tie, held)
-        return tie, held
+        held = [Fix(nodes[int(self.images[0, 1])], dofs)] if hold else []
+        self.model.add(tie, *held)
+        return (tie, *held)
 
     def _strains(self, strain: Any) -> list[float | None]:
         """The strains of a sheet in space, None where they are free."""

@@ -152,6 +152,7 @@ class Periodic(Constraint):
             row,
             scale,
             on_border,
+            steps @ vectors,
             np.concatenate([steps, behind_steps]),
             beyond,
         )

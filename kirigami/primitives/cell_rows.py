@@ -31,6 +31,8 @@ class CellRows(FollowingRows):
         Length of the lattice vectors [length].
     nodes : int
         How many of the positions are nodes; the others stand behind them.
+    apart : ndarray, shape (p, dim)
+        From the source of each position to it, at rest [length].
     steps : ndarray of int, shape (k, m)
         Lattice vectors between each row that follows and its source.
     beyond : ndarray of int, shape (s, 2)
@@ -44,6 +46,7 @@ class CellRows(FollowingRows):
     strain: int
     scale: float
     nodes: int
+    apart: Array
     steps: Index
     beyond: Index
     words = "the border of a periodic cell"
@@ -70,7 +73,10 @@ class CellRows(FollowingRows):
         u[self.repeats[: len(self.slopes)]] += self.slopes @ u[self.strain]
 
     def lead(self, field: Array, spin: Array, about: Array) -> None:
-        """No strain turns a cell."""
+        """No strain turns a cell; the copies of nodes beyond its border move with the whole."""
+        copies = slice(self.nodes, len(self.slopes))
+        arms = self.apart[copies] + self.slopes[copies] @ about[self.strain]
+        field[self.repeats[copies]] = field[self.sources[copies]] + np.cross(spin, arms)
 
     def lead_rates(self, field: Array, about: Array) -> None:
         self._fit(field)

@@ -191,6 +191,23 @@ def test_a_strip_stretches_as_a_bar() -> None:
     assert cell.stiffness()[0, 0] < E * THICKNESS * 1.2
 
 
+@pytest.mark.parametrize("rung", RUNGS)
+def test_modes_of_a_cell_are_among_those_of_many(rung: str) -> None:
+    """What all cells do alike, many can do too; three motions of the whole cost nothing."""
+    mesh, lattice = uncut(2)
+    heavy = kg.Material(E, NU, density=1.0)
+    cell = kg.PeriodicCell(kg.Model.from_mesh(mesh, THICKNESS, heavy, rung), lattice)
+    two = many(cell, rung, (2, 1))
+    found = []
+    for one, count in ((cell, 6), (two, 14)):
+        one.impose((0.0, 0.0, 0.0), hold=False)
+        found.append(kg.Eigen(one.model, n=count, mass="consistent").run().values)
+    few, more = found
+    assert np.abs(few[:3]).max() < 1e-6 * few[3]
+    for value in few[3:]:
+        assert np.abs(more / value - 1).min() < 1e-6
+
+
 # ---- waves
 
 
@@ -320,6 +337,17 @@ def test_cells_of_any_outline_that_tiles_are_the_sheet() -> None:
     section = kg.PeriodicCell(kg.Model.from_mesh(mesh, THICKNESS, MATERIAL, "shell"), lattice).section()
     assert section[:3, :3] == pytest.approx(PLANE, rel=1e-10, abs=1e-10 * PLANE.max())
     assert section[3:, 3:] == pytest.approx(PLANE * THICKNESS**2 / 12, rel=1e-9, abs=1e-10 * RIGIDITY)
+
+
+@pytest.mark.parametrize("rung", RUNGS)
+def test_a_cell_that_is_not_held_moves_as_a_whole_and_does_not_turn(rung: str) -> None:
+    mesh, lattice = uncut(1, 0.0)
+    known = (lattice, "along x, translation along y, translation along z;"), ([[1, 0]], "rotation about x;")
+    for vectors, free in known:
+        m = kg.Model.from_mesh(mesh, THICKNESS, MATERIAL, rung)
+        kg.PeriodicCell(m, vectors).impose([0.1] if len(vectors) == 1 else (None, 0.1, 0.0), hold=False)
+        with pytest.raises(kg.MechanismError, match=free):
+            kg.LinearStatic(m).run()
 
 
 def test_nodes_of_the_border_are_constrained_once() -> None:
