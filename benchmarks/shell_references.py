@@ -31,6 +31,7 @@ import numpy as np
 import shapely
 
 import kirigami as kg
+from kirigami.post.opening import open_area
 from kirigami.study.accuracy import quantities
 from kirigami.study.reference import QUANTITIES, read_reference
 
@@ -136,6 +137,7 @@ def run(case: str, level: str, stiffness: str) -> dict[str, float]:
         "factorizations": results.stats["factorizations"] + spent,
     }
     values = quantities(results, driven, axis)
+    values["open_area"] = open_area(results.position(), mesh.cuts, union=True)  # within chords, as the reference's
     for lam in known.at:
         step = results.nearest(lam)
         row |= {f"{name} at {lam:g}": float(values[name][step]) for name in QUANTITIES}
