@@ -23,6 +23,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from kirigami.linalg import released
 from kirigami.linalg.checked import (
     PIVOT_ABOVE,
     CheckedFactor,
@@ -176,8 +177,12 @@ class _Elimination:
         self.doubtful: list[int] = []
         self._left_over: dict[int, tuple[Array, Array]] = {}
 
-    def eliminate(self, numbers: list[int]) -> None:
-        """Eliminate fronts, children before parents."""
+    def eliminate_beside(self, numbers: list[int]) -> None:
+        """The same in a thread beside others."""
+        self.eliminate(numbers, beside=True)
+
+    def eliminate(self, numbers: list[int], beside: bool = False) -> None:
+        """Eliminate fronts, children before parents; `beside` others by routines that let them run."""
         from scipy.linalg.blas import dsyrk, dtrsm
         from scipy.linalg.lapack import dpotrf
 
@@ -204,10 +209,16 @@ class _Elimination:
                 original = spare[: p * p].reshape(p, p)
                 original[...] = pivot
                 kept = 1.0 if plan.children[f] else 0.0  # BLAS does not read what it is to multiply by zero
-                lower, info = dpotrf(pivot.T, lower=1, overwrite_a=1, clean=0)
+                if beside:
+                    lower, info = pivot.T, released.cholesky(pivot)
+                else:
+                    lower, info = dpotrf(pivot.T, lower=1, overwrite_a=1, clean=0)
                 if info == 0:
                     exchanges = None
-                    if q:
+                    if q and beside:
+                        released.divide(pivot, outer)
+                        released.take_off(outer, kept, rest)
+                    elif q:
                         dtrsm(1.0, lower, outer.T, side=1, lower=1, trans_a=1, overwrite_b=1)
                         dsyrk(-1.0, outer.T, beta=kept, c=rest.T, lower=1, overwrite_c=1)
                 else:
@@ -253,7 +264,7 @@ class MultifrontalFactor(CheckedFactor):
             side_by_side, rest = plan.shares(threads_for(plan.size))
             if side_by_side:
                 with ThreadPoolExecutor(len(side_by_side)) as pool:
-                    list(pool.map(work.eliminate, side_by_side))
+                    list(pool.map(work.eliminate_beside, side_by_side))
             work.eliminate(rest)
         self._fronts = [work.made[f] for f in range(len(work.made))]
         positive = not any(front.exchanges is not None for front in self._fronts)

@@ -1,0 +1,67 @@
+"""Three routines of BLAS and LAPACK that let other threads run meanwhile.
+
+SciPy's wrappers keep Python's lock while they compute, so that threads that call them gain nothing. Here the routines
+that SciPy offers to Cython are called through ctypes, which lets go of the lock: the same libraries, the same numbers.
+"""
+
+from __future__ import annotations
+
+import ctypes
+from collections.abc import Callable
+from functools import cache
+from typing import Any
+
+from kirigami.primitives.kernel import Array
+
+Routine = Callable[..., None]
+
+
+@cache
+def _routine(module: str, name: str) -> Routine:
+    import importlib
+
+    capsule = importlib.import_module(f"scipy.linalg.{module}").__pyx_capi__[name]
+    api = ctypes.pythonapi
+    api.PyCapsule_GetName.restype, api.PyCapsule_GetName.argtypes = ctypes.c_char_p, [ctypes.py_object]
+    api.PyCapsule_GetPointer.restype = ctypes.c_void_p
+    api.PyCapsule_GetPointer.argtypes = [ctypes.py_object, ctypes.c_char_p]
+    address = api.PyCapsule_GetPointer(capsule, api.PyCapsule_GetName(capsule))
+    found: Routine = ctypes.CFUNCTYPE(None)(address)
+    return found
+
+
+def _whole(number: int) -> Any:
+    return ctypes.byref(ctypes.c_int(number))
+
+
+def _real(number: float) -> Any:
+    return ctypes.byref(ctypes.c_double(number))
+
+
+def _at(values: Array) -> Any:
+    return ctypes.c_void_p(values.ctypes.data)
+
+
+def cholesky(pivot: Array) -> int:
+    """Factor L of a block (p, p) whose entry [column, row] counts where row >= column, in its place; 0 where it is
+    positive definite."""
+    info = ctypes.c_int(0)
+    p = len(pivot)
+    _routine("cython_lapack", "dpotrf")(b"L", _whole(p), _at(pivot), _whole(p), ctypes.byref(info))
+    return info.value
+
+
+def divide(pivot: Array, outer: Array) -> None:
+    """L^-1 times a block (p, q) in its place, with L in `pivot`."""
+    p, q = outer.shape
+    _routine("cython_blas", "dtrsm")(
+        b"R", b"L", b"T", b"N", _whole(q), _whole(p), _real(1.0), _at(pivot), _whole(p), _at(outer), _whole(q)
+    )
+
+
+def take_off(outer: Array, kept: float, rest: Array) -> None:
+    """`kept` times a block (q, q) less outer' outer, in its place; as `pivot` for the half that counts."""
+    p, q = outer.shape
+    _routine("cython_blas", "dsyrk")(
+        b"L", b"N", _whole(q), _whole(p), _real(-1.0), _at(outer), _whole(q), _real(kept), _at(rest), _whole(q)
+    )
