@@ -37,7 +37,8 @@ from kirigami.results.tangent import StoredTangent
 if TYPE_CHECKING:
     from kirigami.geometry.mesh import TriMesh
 
-SAFETY, HEIGHT_SAFETY = 1.5, 1.75  # times the estimate; of the height, which bifurcations magnify
+SAFETY = 1.5  # times the estimate
+AREA_SAFETY, HEIGHT_SAFETY = 1.3, 1.75  # the same of the open area, and of the height, which bifurcations magnify
 CANCELLED = 0.3  # share of what cancels over the sheet that is counted all the same
 ENERGIES, DUALS = 10, 4  # steps that are looked at, and steps whose tangent is factored; the others lie between
 CORNER = np.radians(30.0)  # turn of the rim of a cut at a node from which on it is a corner of it
@@ -219,7 +220,7 @@ def _of_goals(recovery: Recovery, step: Step, goals: list[_Goal]) -> list[tuple[
         rung = 0.0
         if state is not None:
             rung = abs(_as_plate(recovery, fields, smooth, rate, smooth_rate) - _borne(recovery, state, rate))
-        safety = HEIGHT_SAFETY if goal is _heights else SAFETY
+        safety = HEIGHT_SAFETY if goal is _heights else AREA_SAFETY
         found.append((safety * mesh, safety * rung))
     return found
 
