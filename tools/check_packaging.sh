@@ -121,8 +121,8 @@ newcomer() { # name, environment: what the README shows first, and a drawing
     cd "$work"
     printed=$("$2/bin/python" -W ignore "$work/readme.py") || fail "$1: the README's first script failed"
     rm -rf "$work/report"
-    # Strong paper, a slit of a third of its width, two per cent: seconds.
-    quietly "$2/bin/kirigami" info "$work/sheet.geojson" --thickness 0.2mm
+    # A film with a slit of two fifths of its width, pulled by two per cent: seconds.
+    quietly "$2/bin/kirigami" info "$work/sheet.geojson"
     quietly "$2/bin/kirigami" stretch "$work/sheet.geojson" --thickness 0.2mm --E 3.5GPa --strain 2% \
         --accuracy draft --nodes 300 --folder "$work/report"
     for file in report.json curves.csv results.npz; do
@@ -135,10 +135,10 @@ newcomer() { # name, environment: what the README shows first, and a drawing
 if [ "${CHECK:-}" = extras ]; then
     awk '/^```python/ {on = 1; next} /^```/ {if (on) exit} on' "$root/README.md" >"$work/readme.py"
     cat >"$work/sheet.geojson" <<'SHEET'
-{"type": "FeatureCollection", "properties": {"unit": "mm"}, "features": [
- {"type": "Feature", "properties": {"role": "outline"}, "geometry":
+{"type": "FeatureCollection", "unit": "mm", "features": [
+ {"type": "Feature", "properties": {"layer": "outline"}, "geometry":
   {"type": "Polygon", "coordinates": [[[0, 0], [100, 0], [100, 80], [0, 80], [0, 0]]]}},
- {"type": "Feature", "properties": {"role": "cut"}, "geometry":
+ {"type": "Feature", "properties": {"layer": "cuts"}, "geometry":
   {"type": "LineString", "coordinates": [[30, 40], [70, 40]]}}]}
 SHEET
     extras=$(cd "$work" && "$1" -c '
