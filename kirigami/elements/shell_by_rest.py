@@ -21,6 +21,7 @@ from kirigami.elements.shell_bending import edge_frames
 from kirigami.elements.shell_chart_back import ChartRates
 from kirigami.elements.shell_geometry import EDGE_OF_POINT, EDGE_PLACES, EDGES, MIDDLE_ROWS, combine, dot
 from kirigami.elements.shell_rates import ALONG, INWARD, Frames, Look, Rates, spread
+from kirigami.elements.smooth_normals import sums
 from kirigami.primitives.kernel import Array
 
 if TYPE_CHECKING:
@@ -39,13 +40,13 @@ def by_rest(kernel: ShellFacetKernel, x: Array, fields: Array, energies: Array) 
         for number, (field, energy) in enumerate(zip(fields, energies.tolist())):
             by_vectors[number, ..., look.part], by_local = here.of(look.rates(field), energy)
             np.add.at(by_director[number], edges, by_local.transpose(0, 2, 1))
-    found = np.zeros((len(fields), *kernel.rest.shape))
-    for total, vectors, more in zip(found, by_vectors, _of_directors(kernel, by_director)):
+    found, onto = [], sums(kernel.conn[:, :6].ravel(), len(kernel.rest))
+    for vectors, more in zip(by_vectors, _of_directors(kernel, by_director)):
         rows = np.empty((len(kernel.conn), 6, 3))
         rows[:, 1:] = (vectors + more).transpose(2, 0, 1)
         rows[:, 0] = -rows[:, 1] - rows[:, 2]
-        np.add.at(total, kernel.conn[:, :6], rows)
-    return found
+        found.append(onto @ rows.reshape(-1, 3))
+    return np.array(found)
 
 
 def _of_directors(kernel: ShellFacetKernel, by_director: Array) -> list[Array]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -39,13 +40,21 @@ def edge_bulges_back(
     surface = SmoothSurface(points, triangles, edge, is_fold)
     ends, normals = _at_ends(points, triangles, surface.normals)
     shared = by_bulge / np.bincount(edge.ravel())[:, None]
-    found = np.zeros((len(by_bulge), *points.shape))
-    for total, rates in zip(found, shared):
+    onto = sums(triangles.ravel(), len(points))
+    found = []
+    for rates in shared:
         by_ends, by_normals = bulges_back(ends, normals, rates[edge.ravel()])
         by_ends, by_normals = by_ends.reshape(-1, 3, 2, 3), by_normals.reshape(-1, 3, 2, 3)
-        np.add.at(total, triangles, by_ends[:, :, 0] + np.roll(by_ends[:, :, 1], 1, axis=1))
-        total += surface.back(by_normals[:, :, 0] + np.roll(by_normals[:, :, 1], 1, axis=1))
-    return found
+        total = onto @ (by_ends[:, :, 0] + np.roll(by_ends[:, :, 1], 1, axis=1)).reshape(-1, 3)
+        found.append(total + surface.back(by_normals[:, :, 0] + np.roll(by_normals[:, :, 1], 1, axis=1)))
+    return np.array(found)
+
+
+def sums(places: Index, count: int) -> Any:
+    """A sparse matrix (count, n) that sums up what stands in n rows by their places (n,)."""
+    from scipy.sparse import csr_array
+
+    return csr_array((np.ones(len(places)), (places, np.arange(len(places)))), shape=(count, len(places)))
 
 
 def _at_ends(points: Array, triangles: Index, normals: Array) -> tuple[Array, Array]:
@@ -139,8 +148,7 @@ class SmoothSurface:
 
     def back(self, by_normals: Array) -> Array:
         """Derivatives (n, 3) by the points of what has those `by_normals` (m, 3, 3) by the normals at the corners."""
-        by_fitted = np.zeros_like(self._fit.normals)
-        np.add.at(by_fitted, self._label, np.where(self._told, by_normals, 0.0).reshape(-1, 3))
+        by_fitted = self._onto_parts @ np.where(self._told, by_normals, 0.0).reshape(-1, 3)
         by_mean, by_place = self._fit.back(by_fitted)
         mean = self._fit.normal
         by_total = (by_mean - mean * (mean * by_mean).sum(axis=1)[:, None]) / self._size[:, None]
@@ -149,11 +157,18 @@ class SmoothSurface:
         product = rate / (self._squares[0] * self._squares[1])[..., None]
         by_ahead = np.cross(self._back, product) - (share / self._squares[0])[..., None] * self._ahead
         by_back = np.cross(product, self._ahead) - (share / self._squares[1])[..., None] * self._back
-        found = np.zeros((self._count, 3))
         at_corner = np.roll(by_ahead, 1, axis=1) + np.roll(by_back, -1, axis=1) - by_ahead - by_back
-        np.add.at(found, self._triangles, at_corner)
+        found = self._onto_nodes @ at_corner.reshape(-1, 3)
         np.add.at(found, self._node, by_place)
-        return found
+        return np.asarray(found)
+
+    @cached_property
+    def _onto_parts(self) -> Any:
+        return sums(self._label, len(self._node))
+
+    @cached_property
+    def _onto_nodes(self) -> Any:
+        return sums(self._triangles.ravel(), self._count)
 
 
 def _smooth_parts(nodes: Index, facet: Array, edge: Index, is_fold: NDArray[np.bool_]) -> tuple[int, Index]:
@@ -230,6 +245,14 @@ class _Paraboloids:
         self._stretch = np.linalg.norm(found, axis=1)[:, None]
         self.normals: Array = found / self._stretch
 
+    @cached_property
+    def _onto_at(self) -> Any:
+        return sums(self._at, len(self.normals))
+
+    @cached_property
+    def _onto_to(self) -> Any:
+        return sums(self._to, len(self.normals))
+
     def back(self, by_normals: Array) -> tuple[Array, Array]:
         """Derivatives (n, 3) by the first guess and by the places of what has those `by_normals` (n, 3)."""
         at, scale = self._at, self._scale[:, None]
@@ -253,12 +276,11 @@ class _Paraboloids:
         by_y = by_terms[:, 1] + x * by_terms[:, 3] + 2 * y * by_terms[:, 4]
         frame = ((by_x, self._first, by_first), (by_y, self._second, by_second), (by_height, self.normal, by_normal))
         by_arm = (by_distance / self._distance)[:, None] * self._arm
+        arm = self._arm / scale
         for rate, axis, by_axis in frame:
-            by_arm += rate[:, None] * axis[at] / scale
-            np.add.at(by_axis, at, rate[:, None] * self._arm / scale)
-        by_place = np.zeros_like(by_found)
-        np.add.at(by_place, self._to, by_arm)
-        np.add.at(by_place, at, -by_arm)
+            by_arm += (rate / self._scale)[:, None] * axis[at]
+            by_axis += self._onto_at @ (rate[:, None] * arm)
+        by_place = self._onto_to @ by_arm - self._onto_at @ by_arm
         by_normal += np.cross(self._first, by_second)
         by_first += np.cross(by_second, self.normal)
         by_across = (by_first - self._first * (self._first * by_first).sum(axis=1)[:, None]) / self._across[:, None]
