@@ -7,7 +7,8 @@ the first buckle. So
 * the increments are as long as the path is smooth: predicted with the tangent and its change, corrected a few times
   (:mod:`kirigami.analysis.path.tracking`), kept where the corrections are small against the distance moved;
 * where the path is lost or bends sharply, the descent starts from a short way on: at most a quarter of the distance
-  from the start, and where it sets energy free a twentieth of it, so that the snap is bracketed;
+  from the start, and where it sets energy free a twentieth of it, so that the snap is bracketed. A long descent that
+  falls below any smooth path is given up: where it would land only shows that there is a snap;
 * where the path goes on unstable, the descent leaves along the softest mode of the last stable equilibrium, in the
   sense in which the path was moving, which is the side that an imperfection chooses; the first time, where a flat sheet
   buckles, from as close.
@@ -85,6 +86,7 @@ class StableSteps(Steps):
                 landed = self._downhill(before, guess, attempt, tangent, increment, turn, floor)
             if landed.reason == FELL:
                 increment = self._bracket(before, increment, least)
+                del attempt, tangent, landed  # and their factors with them
                 continue
             landed_tangent = run.tangent_at(landed)
             if landed_tangent is None:
