@@ -10,7 +10,7 @@ with e the difference of free strains, t the thickness of both layers, m and n t
 moduli. The faces keep it straight along the fold, so that it becomes part of a cylinder with the curvature (1 + nu) k,
 as both layers have the same nu, and folds by (1 + nu) k times its width. It is driven until that is 87 degrees.
 
-    python examples/folding_box.py           half a minute: a picture, and what it prints
+    python examples/folding_box.py           some forty seconds: a picture, and what it prints
 """
 
 from __future__ import annotations

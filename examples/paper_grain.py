@@ -12,7 +12,7 @@ compliances. The sheet is twenty slits wide, which adds 0.3 % (Feddersen, 1966, 
 
 Pulled on, the lips of a long slit are pressed together along the slit and stand up out of the sheet: the picture.
 
-    python examples/paper_grain.py           half a minute: a picture, and what it prints
+    python examples/paper_grain.py           some forty seconds: a picture, and what it prints
 """
 
 from __future__ import annotations
