@@ -16,6 +16,8 @@ An eighth of the sleeve is modelled: three planes of symmetry, two of them throu
 
 from __future__ import annotations
 
+import warnings
+
 import numpy as np
 import shapely
 from numpy.typing import NDArray
@@ -35,7 +37,9 @@ def eighth(slit: bool = True, nodes: int = 150) -> kg.Model:
     outline = shapely.box(0, 0, WIDTH, HALF)
     slits = [shapely.box(x - SLIT / 2, start, x + SLIT / 2, end) for x, spans in COLUMNS for start, end in spans]
     regions = {"skin": shapely.MultiPolygon([box & outline for box in slits])} if slit else {}
-    flat = kg.Sheet(outline, regions=regions).mesh(nodes=nodes)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", kg.KirigamiWarning)  # narrow slits take more nodes, those between them few
+        flat = kg.Sheet(outline, regions=regions).mesh(nodes=nodes)
     angle, z = flat.nodes[:, 0] / RADIUS, flat.nodes[:, 1]
     rolled = np.column_stack([RADIUS * np.cos(angle), RADIUS * np.sin(angle), z])
     mesh = kg.TriMesh(rolled, flat.triangles, regions=flat.regions)

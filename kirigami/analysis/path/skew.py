@@ -47,8 +47,9 @@ def solve(system: System, factor: Factor, q: Array, lam: float, rhs: Array) -> A
         total = np.zeros(system.rest.shape)
         way = (ahead - behind)[:, : system.dim] / (2 * share)
         for kernel, known in zip(rows, symmetric):
-            ends = [kernel.evaluate(system.configuration(end), lam, 1).gradient for end in (ahead, behind)]
-            change = (ends[0] - ends[1]) / (2 * share) - hessian_product(kernel, known, way[kernel.conn])
+            after, before = (kernel.evaluate(system.configuration(end), lam, 1).gradient for end in (ahead, behind))
+            assert after is not None and before is not None
+            change = (after - before) / (2 * share) - hessian_product(kernel, known, way[kernel.conn])
             np.add.at(total, kernel.conn, change)
         if system.grips is not None:
             system.grips.carry(total, u)
