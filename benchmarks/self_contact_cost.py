@@ -108,9 +108,7 @@ def main() -> None:
     meter.watch(CouplingPlan, "matrix")
     meter.watch(resumable, "note_contacts")
     meter.watch(resumable, "note_crossings")
-    plain = multifrontal.FrontPlan
     meter.watch(multifrontal, "dissect", skip=1)
-    assert plain is multifrontal.FrontPlan
     for name in sys.argv[1:] or CASES:
         meter.seconds.clear()
         started = time.process_time()
