@@ -9,6 +9,7 @@ from kirigami.results.step import Event
 
 TOLD = "contacts_told"  # in the stats: stored steps that were looked at
 KIND = "contact"
+SELF_CONTACT = "self-contact"
 
 
 def note_contacts(results: Results) -> None:
@@ -16,9 +17,8 @@ def note_contacts(results: Results) -> None:
 
     Nothing happens without a :class:`kirigami.SelfContact`, which alone knows what touches.
     """
-    from kirigami.effects.self_contact import SelfContactKernel
-
-    held = next((kernel for kernel in results.kernels if isinstance(kernel, SelfContactKernel)), None)
+    # By its name, since a model without contact does not load what contact needs.
+    held = next((kernel for kernel in results.kernels if kernel.name == SELF_CONTACT), None)
     if held is None or results.stats.get(TOLD) == len(results.steps):
         return
     found: list[Event] = []

@@ -5,6 +5,7 @@ They differ in their control, in how the increments are planned and in when they
 
 from __future__ import annotations
 
+import copy
 from collections.abc import Callable
 
 import numpy as np
@@ -16,6 +17,7 @@ from kirigami.analysis.path.descent import CORRECTORS
 from kirigami.analysis.path.follow import PathAnalysis
 from kirigami.analysis.path.increments import Increments, checked_targets
 from kirigami.analysis.path.points import Point
+from kirigami.analysis.path.settings import PathSettings
 from kirigami.analysis.path.stable import FIRST
 from kirigami.errors import ModelError
 from kirigami.model.model import Model
@@ -49,7 +51,7 @@ class _RangeAnalysis(PathAnalysis):
         step: float | None,
         tol: float,
         start: Step | Event | None,
-        on_instability: str,
+        on_instability: str | None,
         branch: int | None,
         corrector: str,
         settle: str,
@@ -59,7 +61,7 @@ class _RangeAnalysis(PathAnalysis):
         owner = type(self).__name__
         self.settle = require_choice(settle, SETTLES, "settle", owner)
         self.damping = require_between(damping, 0.0, 1.0, "damping", owner)
-        if self.settle == "dynamics" and (self.corrector != "path" or self.on_instability != "switch"):
+        if self.settle == "dynamics" and (self.corrector != "path" or self.on_instability not in ("switch", None)):
             raise ModelError(
                 f"{owner}: settle='dynamics' chooses where a snap lands, so it goes with corrector='path' and "
                 "on_instability='switch'"
@@ -88,7 +90,7 @@ class _RangeAnalysis(PathAnalysis):
 
 
 class LoadControl(_RangeAnalysis):
-    """Walk the load factor to a value; fails at limit points, where loads have a maximum.
+    """Walk the load factor to a value; where loads have a maximum, sheets snap and other structures end.
 
     Parameters
     ----------
@@ -107,9 +109,10 @@ class LoadControl(_RangeAnalysis):
         Relative residual that every stored step meets.
     start : Step or Event, optional
         Stored step, or located limit point or bifurcation, to go on from.
-    on_instability : {"follow", "switch", "stop"}
-        At an unstable equilibrium: follow the path; leave it downhill for a stable one at the same load factor, as a
-        real structure does in a snap; or stop there. Events tell what was met.
+    on_instability : {"follow", "switch", "stop"}, optional
+        At an unstable equilibrium: follow the path, which fails at limit points; leave it downhill for a stable one at
+        the same load factor, as a real structure does in a snap; or stop there. Events tell what was met. None
+        switches for sheets in space whose forces have a potential, and follows otherwise.
     branch : {1, -1}, optional
         With a bifurcation as `start`: leave it along its mode, or against it.
     corrector : {"path", "slow", "newton", "descent", "viscous"}
@@ -146,13 +149,21 @@ class LoadControl(_RangeAnalysis):
         step: float | None = None,
         tol: float = 1e-8,
         start: Step | Event | None = None,
-        on_instability: str = "follow",
+        on_instability: str | None = None,
         branch: int | None = None,
         corrector: str = "path",
         settle: str = "overdamped",
         damping: float = 0.05,
     ) -> None:
         super().__init__(model, to, targets, step, tol, start, on_instability, branch, corrector, settle, damping)
+
+    def chosen_for(self, system: System) -> PathSettings:
+        if self.on_instability is not None:
+            return self
+        found = copy.copy(self)
+        sheet = system.model.mesh is not None and system.dim == 3
+        found.on_instability = "switch" if sheet and system.conservative else "follow"
+        return found
 
     def make_control(self, system: System) -> Control:
         require_drive(system, type(self).__name__, constant_counts=True)

@@ -42,7 +42,7 @@ class PathRun(Run):
 
     def __init__(self, settings: PathSettings) -> None:
         super().__init__(settings)
-        self.settings = settings
+        self.settings = settings = settings.chosen_for(self.system)
         self.control: Control = settings.make_control(self.system)
         if settings.on_instability != "follow":
             require_potential(self.system, type(settings).__name__)

@@ -30,13 +30,15 @@ class PathSettings(Resumable):
         model: Model,
         tol: float,
         start: Step | Event | None,
-        on_instability: str,
+        on_instability: str | None,
         branch: int | None,
         corrector: str = "path",
     ) -> None:
         super().__init__(model)
         owner = type(self).__name__
-        self.on_instability = require_choice(on_instability, ON_INSTABILITY, "on_instability", owner)
+        self.on_instability = on_instability
+        if on_instability is not None:
+            require_choice(on_instability, ON_INSTABILITY, "on_instability", owner)
         self.corrector = require_choice(corrector, CORRECTORS, "corrector", owner)
         self.tol = require_positive(tol, "tol", owner)
         self.branch = None if branch is None else require_whole(branch, "branch", owner)
@@ -57,6 +59,10 @@ class PathSettings(Resumable):
         return self.on_instability == "switch" and isinstance(control, LoadFactorControl)
 
     # What the three methods differ in.
+
+    def chosen_for(self, system: System) -> PathSettings:
+        """These settings with what depends on the structure."""
+        return self
 
     def make_control(self, system: System) -> Control:
         """The equation beside equilibrium that says how far to go."""
