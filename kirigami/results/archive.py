@@ -13,7 +13,6 @@ from typing import Any
 
 import numpy as np
 
-from kirigami.elements.curved_facet import CurvedFacetKernel
 from kirigami.elements.stiffness import Calibration, SheetConstants
 from kirigami.errors import AnalysisError
 from kirigami.files import whole_file
@@ -280,6 +279,8 @@ def _supports(head: dict[str, Any], data: dict[str, Any]) -> tuple[Support, ...]
 
 def _put_tips_behind(results: Results) -> None:
     """Files of versions before 0.2 have the tips of normals among the nodes: these go to the rows behind them."""
+    from kirigami.elements.curved_facet import CurvedFacetKernel  # which no other file needs
+
     for kernel in results.kernels:
         if isinstance(kernel, CurvedFacetKernel):
             tips = np.unique(kernel.conn[:, 3:])

@@ -123,7 +123,7 @@ def free_rigid_motions(system: System) -> tuple[str, list[int], str] | None:
             "Add Fix or Prescribe objects that stop the motion named."
         )
         if system.model.mesh is not None and found.held.any() and "about an axis" in motion:
-            message += " A sheet held along one straight line turns about it unless Fix(..., clamp=True) holds its slope."
+            message += " A sheet held along a straight line turns about it unless Fix(..., clamp=True) holds its slope."
         return motion, nodes.tolist(), message
     return None
 

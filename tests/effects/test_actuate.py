@@ -75,6 +75,20 @@ def test_heat_between_walls(rung: str) -> None:
             assert stress.tensor("top")[-1][:, 0, 0] == pytest.approx(-E * 1e-4, rel=1e-3)
 
 
+def test_a_heated_slit_sheet_between_clamps_buckles_without_being_asked() -> None:
+    """Under loads a sheet goes over to the next stable shape, as one that is pulled does; following its path ends at
+    the load factor 0.79, or in another shape."""
+    slit = shapely.LineString([(0.03, 0.03), (0.07, 0.03)])
+    material = kg.Material(3e9, 0.3, expansion=1e-4)
+    mesh = kg.Sheet(shapely.box(0, 0, 0.1, 0.06), [slit], 2e-4, material).mesh(nodes=150)
+    m = kg.Model.from_mesh(mesh, stiffness="plate")
+    m.imperfect()
+    held = m.select(boundary="left") + m.select(boundary="right")
+    m.add(kg.Fix(held, clamp=True), kg.Actuate(heat=100))
+    res = kg.LoadControl(m).run()
+    assert res.lam[-1] == 1 and res.stable.all() and res.height()[-1] > 0.005
+
+
 @pytest.mark.filterwarnings("ignore:the mesh is biased")
 def test_a_strip_of_bars_between_walls() -> None:
     """Held everywhere, bars bear the mean of the two principal forces of a plate on any mesh, -E t a dT / (1 - nu);
