@@ -28,10 +28,10 @@ NOT_CALLED: dict[str, str] = {
     ),
     **dict.fromkeys(("*Error", "*Warning"), ERRORS),
     **dict.fromkeys(
-        """*Control.make_control ArcLength.make_control *.memorable *.goes_downhill *.plan *.steer *.stops
+        """*Control.make_control ArcLength.make_control *.memorable *.goes_downhill *.chosen_for *.plan *.steer *.stops
         Results.append Results.evaluate_at Results.forget_model Results.member_* Results.told Results.object_number
         Results.step_number Results.configuration Results.rows System.joined System.settled System.parted System.c*
-        System.displacement System.forces System.imbalance System.l*
+        System.displacement System.forces System.imbalance System.l* System.begin System.go_on_from
         System.admissible System.multiply System.matrix System.motion System.small_displacement
         System.plan_with System.potential_rate System.re*
         System.start_stage System.stiffness_blocks System.unknowns System.drive_at System.known*
@@ -42,6 +42,7 @@ NOT_CALLED: dict[str, str] = {
     "CurvedFacet": "made by the rung that needs it",
     "Results.to_xarray": "needs xarray, which is an extra; takes no argument",
     "post.shape.check*": "a check itself",
+    "post.opening.areas": "of loops that open_area has checked",
     "stiffness.rung_named": "a check itself",
     "post.curvature.angle_rows": "a piece of curvature, called by it alone",
     "post.shape.principal_values": "a piece of other measures, called by them alone",

@@ -106,12 +106,13 @@ QUANTITIES: dict[str, Quantity] = {
 # Public names of Results that are no such quantity, and why.
 NO_QUANTITY: dict[str, str] = {
     **dict.fromkeys(
-        """append configuration evaluate_at forget_model member_deformation member_energy member_force node_index
-        object_number rows step_number told""".split(),
+        """append configuration evaluate_at forget_model member_deformation member_dissipation member_energy
+        member_force node_index object_number row_gradients rows step_number told""".split(),
         "for the package and for authors of effects; the quantities above are made of it",
     ),
     **dict.fromkeys(["model", "material", "bars", "grips"], "hands out what the run was made of"),
     **dict.fromkeys(["time", "velocity", "moves"], "of a motion; tested in test_dynamics.py"),
+    **dict.fromkeys(["nearest"], "a look-up among the steps"),
     **dict.fromkeys(["gradient"], "held against Taylor series, on every structure, in test_gradients.py"),
     **dict.fromkeys(["residual", "summary"], "tells how the computation went, which differs in rounding"),
     **dict.fromkeys(["energy_release"], "of slits, which these have none of; in mechanics/test_energy_release.py"),

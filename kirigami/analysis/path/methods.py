@@ -51,7 +51,7 @@ class _RangeAnalysis(PathAnalysis):
         step: float | None,
         tol: float,
         start: Step | Event | None,
-        on_instability: str | None,
+        on_instability: str,
         branch: int | None,
         corrector: str,
         settle: str,
@@ -61,7 +61,7 @@ class _RangeAnalysis(PathAnalysis):
         owner = type(self).__name__
         self.settle = require_choice(settle, SETTLES, "settle", owner)
         self.damping = require_between(damping, 0.0, 1.0, "damping", owner)
-        if self.settle == "dynamics" and (self.corrector != "path" or self.on_instability not in ("switch", None)):
+        if self.settle == "dynamics" and (self.corrector != "path" or self.on_instability != "switch"):
             raise ModelError(
                 f"{owner}: settle='dynamics' chooses where a snap lands, so it goes with corrector='path' and "
                 "on_instability='switch'"
@@ -155,14 +155,14 @@ class LoadControl(_RangeAnalysis):
         settle: str = "overdamped",
         damping: float = 0.05,
     ) -> None:
-        super().__init__(model, to, targets, step, tol, start, on_instability, branch, corrector, settle, damping)
+        self.by_structure = on_instability is None  # see chosen_for
+        at_once = "switch" if on_instability is None else on_instability
+        super().__init__(model, to, targets, step, tol, start, at_once, branch, corrector, settle, damping)
 
     def chosen_for(self, system: System) -> PathSettings:
-        if self.on_instability is not None:
-            return self
         found = copy.copy(self)
-        sheet = system.model.mesh is not None and system.dim == 3
-        found.on_instability = "switch" if sheet and system.conservative else "follow"
+        if self.by_structure and not (system.model.mesh is not None and system.dim == 3 and system.conservative):
+            found.on_instability = "follow"
         return found
 
     def make_control(self, system: System) -> Control:

@@ -30,15 +30,13 @@ class PathSettings(Resumable):
         model: Model,
         tol: float,
         start: Step | Event | None,
-        on_instability: str | None,
+        on_instability: str,
         branch: int | None,
         corrector: str = "path",
     ) -> None:
         super().__init__(model)
         owner = type(self).__name__
-        self.on_instability = on_instability
-        if on_instability is not None:
-            require_choice(on_instability, ON_INSTABILITY, "on_instability", owner)
+        self.on_instability = require_choice(on_instability, ON_INSTABILITY, "on_instability", owner)
         self.corrector = require_choice(corrector, CORRECTORS, "corrector", owner)
         self.tol = require_positive(tol, "tol", owner)
         self.branch = None if branch is None else require_whole(branch, "branch", owner)
