@@ -1,4 +1,4 @@
-"""Examples that search for a design end verified, and the drawing they write does what was wanted when it is run again."""
+"""Examples that search for a design end verified, and the drawing they write does what was wanted when run again."""
 
 from __future__ import annotations
 
