@@ -134,6 +134,15 @@ class SurfaceStrain:
         return np.asarray(np.einsum("nac,nc->na", self._to_strain, stretch))
 
 
+    def add_rate(self, u: Array, by_strain: Array, total: Array) -> None:
+        """Add to `total` (rows, 3) the derivatives by displacements of a number, from those by strain (m, 3)."""
+        change = edge_vectors(u, self.triangles)
+        by_stretch = np.einsum("nac,na->nc", self._to_strain, by_strain) / self.square
+        pull = by_stretch[..., None] * (self.edges + change)
+        np.add.at(total, self.triangles[:, ENDS], pull)
+        np.add.at(total, self.triangles[:, STARTS], -pull)
+
+
 def without_compression(force: Array, to_strain: Array) -> Array:
     """Edge forces (n, 3) of the facet tensions that remain when compressive principal stresses are dropped.
 

@@ -6,10 +6,12 @@ from functools import cache
 
 import numpy as np
 import pytest
+import shapely
 from structures import BUILT, RUNGS, STRUCTURES, results
 
 import kirigami as kg
 from kirigami.primitives.sensitivity import member_work, rebuilt
+from kirigami.results.fields import facet_strain
 from kirigami.results.gradients import fields
 from kirigami.results.gradients.by_rest import by_rest_state
 from kirigami.results.gradients.critical import CriticalPoint
@@ -36,7 +38,7 @@ def functionals(name):
     plain += [("shape", results(name).rest + 0.1 * np.random.default_rng(4).normal(size=results(name).rest.shape))]
     if results(name).dim == 3:
         plain.append(("height",))
-    return plain + ([("open_area",), ("poisson_ratio",), ("width",), POINT] if name in SHEETS else [])
+    return plain + ([("open_area",), ("poisson_ratio",), ("width",), ("strain",), POINT] if name in SHEETS else [])
 
 
 POINT = ("point", (0.1, 0.2), "x")  # of the sheet as it is drawn
@@ -348,3 +350,21 @@ def test_self_contact_has_no_gradient():
     res = kg.DisplacementControl(alone).run()
     with pytest.raises(kg.ModelError, match="far apart"):
         res.gradient(("energy",), "thickness")
+
+
+def test_the_strain_of_a_uniform_stretch_and_of_finer_meshes():
+    """sqrt(exx^2 + eyy^2) of a stretch and a contraction; at a crack hardly a matter of the mesh, as its largest is."""
+    found, largest = [], []
+    for nodes in (150, 600):
+        mesh = kg.Sheet(shapely.box(0, 0, 1, 1), [[(0.3, 0.5), (0.7, 0.5)]], 0.01, kg.Material(1e6)).mesh(nodes=nodes)
+        m = kg.Model.from_mesh(mesh, stiffness="shell")
+        top = m.select(boundary="top")
+        m.add(kg.Fix(m.nodes, "z"), kg.Fix(m.select(boundary="bottom"), "xy"), kg.Prescribe(top, x=0, y=0.01))
+        res = kg.LinearStatic(m).run()
+        tell = tell_of(("strain",), res)
+        found.append(tell(res.position()[-1], np.zeros_like(res.rest), 0.0).value)
+        largest.append(np.abs(facet_strain(res)[-1]).max())
+        drawn = mesh.nodes * [1.02, 0.99, 1.0]
+        exact = np.hypot(0.5 * (1.02**2 - 1), 0.5 * (0.99**2 - 1))
+        assert tell(drawn, np.zeros_like(drawn), 0.0).value == pytest.approx(exact, rel=1e-12)
+    assert found[1] == pytest.approx(found[0], rel=0.05) and largest[1] > 1.4 * largest[0]

@@ -7,9 +7,17 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from kirigami.elements.triangle import SurfaceStrain
 from kirigami.errors import AnalysisError, ModelError
 from kirigami.post import shape
-from kirigami.primitives.checks import require_array, require_axis, require_finite, require_whole_array, shown
+from kirigami.primitives.checks import (
+    require_array,
+    require_axis,
+    require_between,
+    require_finite,
+    require_whole_array,
+    shown,
+)
 from kirigami.primitives.kernel import Array
 from kirigami.primitives.node import AXES
 from kirigami.primitives.rotation import best_rotation, turned
@@ -18,9 +26,11 @@ from kirigami.results.results import Results, _direction
 from kirigami.results.supports import carried_by
 
 STEP = 1e-6  # of the size of the structure or of its forces, in differences of a user's function
+POWER, MOST_POWER = 3.0, 4.0  # below 4 the tips of cuts, where strain grows as r^(-1/2), count what they do in truth
+ENGINEERING = np.array([1.0, 1.0, 0.5])  # weights of (exx, eyy, gamma) in the size of a strain
 AT_ONCE = 3_000  # coordinates of shapes measured at a time
 OUTSIDE = 1e-6  # of the size of the sheet: how far off it a material point may lie
-KNOWN = "force, position, point, energy, open_area, height, width, poisson_ratio, shape, stiffness, critical"
+KNOWN = "force, position, point, energy, open_area, height, width, poisson_ratio, strain, shape, stiffness, critical"
 
 
 class Told(NamedTuple):
@@ -45,7 +55,8 @@ def tell_of(functional: Any, results: Results, owner: str = "gradient") -> Tell:
     name, *given = _parts(functional, owner)
     builders: dict[str, Callable[..., Tell]] = {
         "force": _force, "position": _position, "point": _point, "energy": _energy, "open_area": _open_area,
-        "height": _height, "width": _width, "poisson_ratio": _poisson_ratio, "shape": _shape,
+        "height": _height, "width": _width, "poisson_ratio": _poisson_ratio, "strain": _strain,
+        "shape": _shape,
     }  # fmt: skip
     if name not in builders:
         raise ModelError(f"{owner}: a functional is a function or begins with one of {KNOWN}, got {shown(functional)}")
@@ -167,6 +178,32 @@ def _width(results: Results, axis: str = "y") -> Tell:
 
 def _poisson_ratio(results: Results, axis: str = "y") -> Tell:
     return _measured(results, "poisson_ratio", lambda x, mesh: shape.poisson_ratio(x, mesh, axis))
+
+
+def _strain(results: Results, power: float = POWER) -> Tell:
+    """Mean of a power of the strain of the facets from how they are drawn, and the root of it."""
+    mesh, power = results.mesh, require_between(power, 1.0, MOST_POWER, "the power of the strain", "gradient")
+    if mesh is None:
+        raise AnalysisError("gradient: strain needs a model made by Model.from_mesh", results=results)
+
+    def mean(points: Array, drawn: Any) -> tuple[float, SurfaceStrain, Array, Array]:
+        surface = SurfaceStrain(drawn.nodes, drawn.triangles)
+        strain = surface.at(points - drawn.nodes)
+        size = np.sqrt((strain**2 * ENGINEERING).sum(axis=1))
+        share = surface.area / surface.area.sum()
+        whole = float((share * size**power).sum() ** (1 / power))
+        positive = size > 0
+        rate = np.where(positive, share * whole ** (1 - power) * np.where(positive, size, 1.0) ** (power - 2), 0.0)
+        return whole, surface, strain, rate[:, None] * ENGINEERING * strain
+
+    def tell(x: Array, f: Array, energy: float) -> Told:
+        points = x[: len(mesh.nodes)]
+        value, surface, _, by_strain = mean(points, mesh)
+        rate = _zero(x)
+        surface.add_rate(points - mesh.nodes, by_strain if value > 0 else np.zeros_like(by_strain), rate)
+        return Told(value, rate, _zero(f), by_drawing=lambda other: mean(points, other)[0])
+
+    return tell
 
 
 def _measured(results: Results, name: str, measure: Callable[[Array, Any], Array]) -> Tell:

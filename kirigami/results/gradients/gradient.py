@@ -37,6 +37,9 @@ def gradient(results: Results, functional: Any, wrt: Any, step: int = -1) -> Any
           point of the sheet that is drawn there. ``("height",)``, ``("width", axis)``, ``("poisson_ratio", axis)``,
           ``("open_area",)``: as the methods of these names; the area is that of all cuts, or of those numbered in
           ``("open_area", cuts)``.
+        * ``("strain", power)``: mean of a power of the size sqrt(exx^2 + eyy^2 + 2 exy^2) of the strain in the plane of
+          the facets, and the root of it; with the power 3 it may be left out. Between 1 and 4: from 4 on the tips of
+          cuts, and with them the mesh, decide alone.
         * ``("shape", target)``: mean squared distance [length^2] of all nodes from a target shape (n, 3), laid over
           them as well as a rigid motion can.
         * ``("energy",)``: the energy stored.
