@@ -205,10 +205,10 @@ def __getattr__(name: str) -> Any:
     elif name in _MODULES:
         value = importlib.import_module(f"kirigami.{_MODULES[name]}")
     else:
-        from difflib import get_close_matches
+        from kirigami.errors import nearest_name
 
-        near = get_close_matches(name, __all__, n=1)
-        hint = f": did you mean {near[0]!r}?" if near else ""
+        near = nearest_name(name, __all__)
+        hint = f": did you mean {near!r}?" if near else ""
         raise AttributeError(f"module 'kirigami' has no attribute {name!r}{hint}")
     globals()[name] = value
     return value

@@ -2,8 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from typing import Any
+
+
+def nearest_name(word: str, known: Iterable[str]) -> str | None:
+    """The name that was meant by a misspelt one: the same letters in another order, or else the one most alike.
+
+    Examples
+    --------
+    >>> nearest_name("Modle", ["Mode", "Model"]), nearest_name("standart", ["draft", "standard"])
+    ('Model', 'standard')
+    """
+    from difflib import get_close_matches
+
+    names = [*known]
+    swapped = [name for name in names if sorted(name.lower()) == sorted(word.lower())]
+    return next(iter(swapped or get_close_matches(word, names, n=1)), None)
 
 
 class KirigamiError(Exception):

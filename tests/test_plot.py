@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 import shapely
 from matplotlib import pyplot
+from mpl_toolkits.mplot3d.proj3d import proj_transform
 from numpy.testing import assert_allclose
 from PIL import Image
 
@@ -546,6 +547,26 @@ def test_colours_of_stress_leave_out_the_tips_of_cuts() -> None:
         peaks.append(surface_stress(res)[-1].max())
     assert peaks[1] > 1.3 * peaks[0] > 1.3 * highest[0]
     assert highest[1] == pytest.approx(highest[0], rel=0.15)
+
+
+def test_rims_are_whole_lines_from_any_side() -> None:
+    """Ink along all of the rim, also where facets beside it are nearer to who looks."""
+    mesh = kg.Sheet(shapely.box(0, 0, 1, 1), (), 0.01, kg.Material(1e6)).mesh(max_edge=0.3)
+    m = kg.Model.from_mesh(mesh)
+    left, right = m.select(boundary="left"), m.select(boundary="right")
+    m.add(kg.Fix(m.nodes, "yz"), kg.Fix(left, "x"), kg.Prescribe(right, x=0.01))
+    ax = kg.LinearStatic(m).run().plot(color="none", view=(30, -62))
+    ax.figure.set_dpi(100)
+    ax.figure.canvas.draw()
+    picture = np.asarray(ax.figure.canvas.buffer_rgba())[..., :3].min(axis=2)
+    along = np.linspace(0.02, 0.98, 60)
+    sides = [(along, 0 * along), (along, 0 * along + 1), (0 * along, along), (0 * along + 1, along)]
+    for x, y in sides:
+        flat = proj_transform(1.01 * x, y, 0 * x, ax.get_proj())[:2]
+        column, row = ax.transData.transform(np.transpose(flat)).T
+        row = picture.shape[0] - row
+        ink = [picture[int(r) - 2 : int(r) + 3, int(c) - 2 : int(c) + 3].min() for r, c in zip(row, column)]
+        assert max(ink) < 150
 
 
 def test_gradient_is_drawn_per_area():

@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from kirigami.geometry.mesh import TriMesh
     from kirigami.results.results import Results
 
+NEARER = 0.7  # of an edge, by which lines are drawn in front of facets: their middles are 2/3 of a height from it
 MOST_PIECES = 24_000  # that a smooth picture of a sheet is cut into
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
@@ -332,8 +333,13 @@ class Picture:
             here = np.repeat(values, len(middles)) if parts is None else values[parts.corner] @ middles.T
             colors = self.mappable.to_rgba(here.ravel())
         colors[:, :3] *= light[:, None]
-        # Edges go into the same collection as facets with no area, so that depth sorting hides those at the back.
+        # Sorted by depth, lines come in parts as long as the pieces beside them and before these, or they are dashed.
+        count = round(np.sqrt(len(self.pieces)))
         ends = points[self.lines]
+        places = ends[:, :1] + np.linspace(0.0, 1.0, count + 1)[:, None] * np.diff(ends, axis=1)
+        ends = np.stack([places[:, :-1], places[:, 1:]], axis=2).reshape(-1, 2, 3)
+        ends = ends + NEARER / count * float(self.mesh.edge_lengths.max()) * self._towards()
+        # Edges go into the same collection as facets with no area, so that depth sorting hides those at the back.
         polygons = np.concatenate([corners, ends[:, [0, 1, 1]]])
         faces = np.concatenate([colors, np.zeros((len(ends), 4))])
         rims = np.concatenate([colors, np.tile(_rgba(style.INK), (len(ends), 1))])
@@ -343,6 +349,12 @@ class Picture:
         self._artist.set_verts(polygons)
         self._artist.set_facecolor(faces)
         self._artist.set_edgecolor(rims)
+
+    def _towards(self) -> Floats:
+        """Direction (3,) from the picture to who looks at it."""
+        if not self.solid:
+            return np.array([0.0, 0.0, 1.0])
+        return style.towards_viewer((self.ax.elev, self.ax.azim))
 
     def _normals(self, corners: Floats, middles: Floats) -> Floats:
         """Directions (pieces, 3) in which the pieces face: those of the facets, or smooth ones."""

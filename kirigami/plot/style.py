@@ -211,6 +211,11 @@ def _screen(view: tuple[float, float]) -> Floats:
     return np.array([right, up])
 
 
+def towards_viewer(view: tuple[float, float]) -> Floats:
+    """Direction (3,) to who looks from an elevation and an azimuth in degrees."""
+    return np.cross(*_screen(view))
+
+
 def _seen(points: Floats, view: tuple[float, float]) -> Floats:
     """Places (n, 2) of points on the screen."""
     seen: Floats = points @ _screen(view).T

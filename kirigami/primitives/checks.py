@@ -11,14 +11,13 @@ import math
 import operator
 import os
 from collections.abc import Callable, Iterable, Mapping
-from difflib import get_close_matches
 from pathlib import Path
 from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-from kirigami.errors import KirigamiError, ModelError
+from kirigami.errors import KirigamiError, ModelError, nearest_name
 
 T = TypeVar("T")
 Error = type[KirigamiError]
@@ -157,8 +156,8 @@ def require_choice(
     """One of several names, with the nearest one in the message."""
     known = [*choices]
     if not isinstance(value, str) or value not in known:
-        near = get_close_matches(value, known, n=1) if isinstance(value, str) else []
-        hint = f"; did you mean {near[0]!r}?" if near else ""
+        near = nearest_name(value, known) if isinstance(value, str) else None
+        hint = f"; did you mean {near!r}?" if near else ""
         other = f", or {or_else}" if or_else else ""
         raise error(f"{owner}: {name} must be one of {', '.join(map(repr, known))}{other}, got {shown(value)}{hint}")
     return value

@@ -6,7 +6,6 @@ import csv
 import json
 import os
 from collections.abc import Iterator, Mapping, Sequence
-from difflib import get_close_matches
 from pathlib import Path
 from types import TracebackType
 from typing import Any
@@ -14,7 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from kirigami.errors import AnalysisError, ModelError
+from kirigami.errors import AnalysisError, ModelError, nearest_name
 from kirigami.files import whole_file
 from kirigami.primitives.checks import require_instance, require_items, require_path, require_text
 
@@ -79,8 +78,8 @@ class SweepTable:
     def __getitem__(self, name: str) -> NDArray[Any]:
         """One column as an array."""
         if name not in self.columns:
-            near = get_close_matches(str(name), self.columns, n=1)
-            hint = f": did you mean {near[0]!r}?" if near else f"; there are {', '.join(self.columns)}"
+            near = nearest_name(str(name), self.columns)
+            hint = f": did you mean {near!r}?" if near else f"; there are {', '.join(self.columns)}"
             raise ModelError(f"the table has no column {name!r}{hint}")
         empty = [row for row in self.rows if row.get(name) is None]
         if empty:
