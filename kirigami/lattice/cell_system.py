@@ -1,8 +1,9 @@
-"""A cell of a sheet in space as a lowered model whose mean strain is free: what its law and its waves are made of."""
+"""A cell of a sheet in space as a lowered model under a mean strain: what its law and its waves are made of."""
 
 from __future__ import annotations
 
 import copy
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -22,6 +23,15 @@ if TYPE_CHECKING:
 Index = NDArray[np.int64]
 
 
+def require_sheet(cell: PeriodicCell, owner: str) -> None:
+    """The cell is that of a sheet in space."""
+    if cell.border is None:
+        raise ModelError(
+            f"PeriodicCell.{owner}: the cell is no sheet in space: make its model by Model.from_mesh with dim=3, and "
+            "let the cell find its images"
+        )
+
+
 class CellSystem:
     """The system of a cell, its other supports and effects as they are.
 
@@ -29,15 +39,17 @@ class CellSystem:
     ----------
     cell : PeriodicCell
         Of a sheet in space.
+    strain : sequence of float or None, optional
+        Mean strain at load factor 1, as of :class:`kirigami.model.periodic.Periodic`; None leaves all of it free.
     hold : bool
         Whether the motions of the whole are stopped.
     """
 
-    def __init__(self, cell: PeriodicCell, hold: bool = True) -> None:
+    def __init__(self, cell: PeriodicCell, strain: Sequence[float | None] | None = None, hold: bool = True) -> None:
         model = copy.copy(cell.model)
         model.remove(*(item for item in model.constraints if isinstance(item, Periodic)))
-        item = cell._constraint([None] * (2 * len(cell.lattice) - 1), hold=hold)
-        model.add(item)
+        self.strains = 2 * len(cell.lattice) - 1
+        model.add(cell._constraint([None] * self.strains if strain is None else strain, hold=hold))
         self.cell, self.system = cell, System(model)
         assert self.system.grips is not None
         self.rows = next(group for group in self.system.grips.groups if isinstance(group, CellRows))
@@ -61,24 +73,37 @@ class CellSystem:
         u = require_array(at, (system.points, 3), name="u", owner=owner)
         return system.settled(u), 0.0
 
-    def copies(self, phases: Array | None = None) -> Any:
-        """All displacements (rows * dim, free) by the unknowns, without mean strain; what repeats is turned by Bloch
-        phases (m,) along the lattice vectors [rad], if any."""
-        from scipy.sparse import csc_matrix
+    def mean_strain(self, u: Array) -> Array:
+        """Mean strain (..., 3), of a strip (..., 1), of displacements (..., rows, 3)."""
+        return np.asarray(u[..., self.rows.strain, : self.strains] / self.rows.scale)
 
+    def mean_stress(self, gradients: Array) -> Array:
+        """Mean stress (..., 3), of a strip (..., 1), of the derivatives of the energy by all rows (..., rows, 3)."""
+        rows = self.rows
+        force = gradients[..., rows.repeats[: len(rows.slopes)], :]
+        found = np.einsum("pab,...pa->...b", rows.slopes, force)[..., : self.strains]
+        return np.asarray(found * rows.scale / self.cell.measure)
+
+    def without_strain(self) -> tuple[Index, Index, Index, Index]:
+        """Numbers (rows * dim,) of the unknowns, -1 where there is none or it is one of the mean strain; displacements
+        (k,) that repeat an unknown, that unknown (k,), and how many lattice vectors away it is (k, m)."""
         system, rows = self.system, self.rows
         dim = system.dim
         unknown = system.unknown.copy()
         unknown.reshape(-1, dim)[rows.strain] = -1
+        at, source = ((part[:, None] * dim + np.arange(dim)).ravel() for part in (rows.repeats, rows.sources))
+        free = unknown[source] >= 0
+        return unknown, at[free], unknown[source[free]], np.repeat(rows.steps, dim, axis=0)[free]
+
+    def copies(self) -> Any:
+        """All displacements (rows * dim, free) by the unknowns, without mean strain."""
+        from scipy.sparse import csc_matrix
+
+        unknown, at, source, _ = self.without_strain()
         own = np.flatnonzero(unknown >= 0)
-        at = (rows.repeats[:, None] * dim + np.arange(dim)).ravel()
-        source = unknown[(rows.sources[:, None] * dim + np.arange(dim)).ravel()]
-        turn = np.ones(len(at)) if phases is None else np.repeat(np.exp(1j * (rows.steps @ phases)), dim)
-        free = source >= 0
-        values = np.concatenate([np.ones(len(own)), turn[free]])
-        places = np.concatenate([own, at[free]]), np.concatenate([unknown[own], source[free]])
+        places = np.concatenate([own, at]), np.concatenate([unknown[own], source])
         used = np.unique(places[1])
-        return csc_matrix((values, places), shape=(system.rest.size, system.free))[:, used]
+        return csc_matrix((np.ones(len(places[0])), places), shape=(unknown.size, self.system.free))[:, used]
 
     @staticmethod
     def relax(stiffness: Any, load: Array) -> Array:

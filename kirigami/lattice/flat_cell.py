@@ -2,18 +2,15 @@
 
 from __future__ import annotations
 
-import copy
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from kirigami.errors import ConvergenceError, ModelError
+from kirigami.lattice.cell_system import CellSystem
 from kirigami.linalg import SingularMatrixError, factorize
-from kirigami.model.periodic import Periodic
-from kirigami.primitives.cell_rows import CellRows
 from kirigami.primitives.kernel import Array
-from kirigami.system.system import System
 
 if TYPE_CHECKING:
     from kirigami.lattice.periodic import PeriodicCell
@@ -50,25 +47,20 @@ class FlatCell:
             )
         if not any(strain):
             raise ModelError("PeriodicCell.buckling: the strain drives nothing: give a number other than zero")
-        model = copy.copy(cell.model)
-        model.remove(*(item for item in model.constraints if isinstance(item, Periodic)))
-        model.add(cell._constraint(strain))
-        self.cell, self.system = cell, System(model)
-        assert self.system.grips is not None
-        self.rows = next(group for group in self.system.grips.groups if isinstance(group, CellRows))
-        system = self.system
+        self.known = CellSystem(cell, strain)
+        system = self.known.system
         plane = np.zeros(system.rest.shape, dtype=bool)
         plane[:, :2] = True
         if system.edges is not None:
             plane[np.unique(system.edges.angle)] = False
-        plane[self.rows.strain] = True
+        plane[self.known.rows.strain] = True
         known = system.unknown.reshape(system.rest.shape)
         self.plane = np.unique(known[plane & (known >= 0)])
         self._last = 0.0, np.zeros(system.free)
 
     def at(self, factor: float) -> FlatState:
         """The equilibrium at a load factor, from the nearest one before."""
-        system = self.system
+        system = self.known.system
         start, q = self._last
         goal, halved = factor, 0
         while start != factor:
@@ -92,14 +84,11 @@ class FlatCell:
                 "PeriodicCell.buckling: the sheet leaves its plane at once, as one with unsymmetric layers or a load "
                 "across does: follow it with DisplacementControl and ask waves(..., at=step) along its path"
             )
-        rows, count = self.rows, 2 * len(self.cell.lattice) - 1
-        p = len(rows.slopes)
-        stress = np.einsum("pab,pa->b", rows.slopes, raw[rows.repeats[:p]])[:count] * rows.scale / self.cell.measure
-        return FlatState(u, u[rows.strain, :count] / rows.scale, stress)
+        return FlatState(u, self.known.mean_strain(u), self.known.mean_stress(raw))
 
     def _solved(self, q: Array, factor: float) -> Array | None:
         """Newton's method in the plane."""
-        system, plane = self.system, self.plane
+        system, plane = self.known.system, self.plane
         q = q.copy()
         for _ in range(ITERATIONS):
             u = system.displacement(q, factor)

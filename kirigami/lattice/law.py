@@ -18,7 +18,7 @@ import numpy as np
 
 from kirigami.elements.shell_geometry import GAUSS
 from kirigami.errors import ModelError
-from kirigami.lattice.cell_system import CellSystem
+from kirigami.lattice.cell_system import CellSystem, require_sheet
 from kirigami.primitives.checks import require_instance
 from kirigami.primitives.kernel import Array
 from kirigami.results.results import Results
@@ -79,21 +79,20 @@ def law(cell: PeriodicCell, results: Results) -> EffectiveLaw:
     ModelError
         The cell is no sheet in space, or the results are of another model or had no mean strain imposed.
     """
-    _of_sheet(cell, "law")
+    require_sheet(cell, "law")
     require_instance(results, Results, "results", "PeriodicCell.law")
-    rows = CellSystem(cell).rows
-    if results.rest.shape != (len(cell.model.nodes), 3) or len(results.inner_rest) + len(results.rest) <= rows.strain:
+    known = CellSystem(cell)
+    if results.rest.shape != (len(cell.model.nodes), 3) or (
+        len(results.inner_rest) + len(results.rest) <= known.rows.strain
+    ):
         raise ModelError(
             "PeriodicCell.law: these results belong to another model, or to this one before impose(): give the results "
             "of a run after it"
         )
-    count = 2 * len(cell.lattice) - 1
-    strain = np.array([results.rows(step)[rows.strain, :count] for step in results.steps]) / rows.scale
-    p = len(rows.slopes)
-    force = results.row_gradients[:, rows.repeats[:p]]
-    stress = np.einsum("pab,spa->sb", rows.slopes, force)[:, :count] * rows.scale / cell.measure
+    strain = np.array([known.mean_strain(results.rows(step)) for step in results.steps])
+    stress = known.mean_stress(results.row_gradients)
     energy = sum(np.asarray(values) for values in results.energy.values()) / cell.measure
-    end = np.abs(stress[-1, :2]) if len(stress) and count == 3 else np.zeros(1)
+    end = np.abs(stress[-1, :2]) if len(stress) and known.strains == 3 else np.zeros(1)
     return EffectiveLaw(strain, stress, np.asarray(energy), int(np.argmax(end)))
 
 
@@ -103,8 +102,7 @@ def tangent(cell: PeriodicCell, at: Any = None) -> Array:
     system = known.system
     u, lam = known.state(at, "PeriodicCell.stiffness")
     matrix = system.stiffness(u, lam)
-    count = 2 * len(cell.lattice) - 1
-    strains = system.unknown.reshape(system.rest.shape)[known.rows.strain, :count]
+    strains = system.unknown.reshape(system.rest.shape)[known.rows.strain, : known.strains]
     others = np.setdiff1d(np.arange(system.free), strains)
     coupling = matrix[:, strains].toarray()
     relaxed = known.relax(matrix[others][:, others].tocsc(), coupling[others])
@@ -139,7 +137,7 @@ def section(cell: PeriodicCell) -> Array:
     >>> cell.section().diagonal().round(6).tolist()  # E t, and E t^3 / 12
     [1200.0, 1200.0, 600.0, 1.0, 1.0, 0.5]
     """
-    _of_sheet(cell, "section")
+    require_sheet(cell, "section")
     if len(cell.lattice) != 2:
         raise ModelError("PeriodicCell.section: a sheet has two lattice vectors, this strip has one")
     known = CellSystem(cell)
@@ -192,11 +190,3 @@ def _spin(points: Array) -> Array:
     found[:, 0, 3:] = np.column_stack([0 * x, y, 0.5 * x])
     found[:, 1, 3:] = -np.column_stack([x, 0 * x, 0.5 * y])
     return found
-
-
-def _of_sheet(cell: PeriodicCell, owner: str) -> None:
-    if cell.border is None:
-        raise ModelError(
-            f"PeriodicCell.{owner}: the cell is no sheet in space: make its model by Model.from_mesh with dim=3, and "
-            "let the cell find its images"
-        )

@@ -44,7 +44,7 @@ class WaveStiffness:
     def __init__(self, known: CellSystem, u: Array, lam: float) -> None:
         from scipy.sparse import csc_matrix
 
-        system, rows = known.system, known.rows
+        system = known.system
         assert system.grips is not None
         if len(system.grips.groups) > 1:
             raise ModelError("waves of a cell with a Grip or RigidLink are not known: hold its nodes by Fix instead")
@@ -53,25 +53,18 @@ class WaveStiffness:
                 "waves tell the stability of what has a potential; this cell has a load without one, such as a "
                 "Pressure on a free rim"
             )
-        dim = system.dim
-        unknown = system.unknown.copy()
-        unknown.reshape(-1, dim)[rows.strain] = -1
-        follower = (rows.repeats[:, None] * dim + np.arange(dim)).ravel()
-        source = unknown[(rows.sources[:, None] * dim + np.arange(dim)).ravel()]
+        unknown, follower, source, self.steps = known.without_strain()
         used = np.unique(unknown[unknown >= 0])
-        border = np.unique(source[source >= 0])
+        border = np.unique(source)
         inside = np.setdiff1d(used, border)
-        free = source >= 0
-        self.steps = np.repeat(rows.steps, dim, axis=0)[free]
-        self.leader = np.searchsorted(border, source[free])
+        self.leader = np.searchsorted(border, source)
         self.border = len(border)
         order = np.full(system.free, -1)
         order[inside], order[border] = np.arange(len(inside)), len(inside) + np.arange(len(border))
         own = np.flatnonzero(unknown >= 0)
-        first = len(used)
-        columns = np.concatenate([order[unknown[own]], first + np.arange(int(free.sum()))])
-        at = np.concatenate([own, follower[free]])
-        pick = csc_matrix((np.ones(len(at)), (at, columns)), shape=(system.rest.size, first + int(free.sum())))
+        columns = np.concatenate([order[unknown[own]], len(used) + np.arange(len(follower))])
+        at = np.concatenate([own, follower])
+        pick = csc_matrix((np.ones(len(at)), (at, columns)), shape=(unknown.size, len(used) + len(follower)))
         matrix = (pick.T @ system.stiffness(u, lam, constrained=False) @ pick).tocsc()
         cut = len(inside)
         edge = matrix[cut:, cut:].toarray()
@@ -103,8 +96,7 @@ class WaveStiffness:
         own = np.setdiff1d(np.arange(system.points), known.rows.repeats)
         moving = list(fields[free[own].all(axis=0)])
         if len(known.cell.lattice) == 1 and free[own].all():  # a strip turns about itself as well
-            spin = np.zeros(3)
-            spin[:] = known.cell.lattice[0] / np.linalg.norm(known.cell.lattice[0])
+            spin = known.cell.lattice[0] / np.linalg.norm(known.cell.lattice[0])
             turn = np.zeros_like(system.rest)
             turn[known.positions] = np.cross(spin, system.rest[known.positions])
             if system.edges is not None:

@@ -20,7 +20,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from kirigami.errors import AnalysisError, ConvergenceError, KirigamiWarning, ModelError
-from kirigami.lattice.cell_system import CellSystem
+from kirigami.lattice.cell_system import CellSystem, require_sheet
 from kirigami.lattice.flat_cell import FlatCell
 from kirigami.lattice.wave_stiffness import WaveStiffness
 from kirigami.primitives.checks import require_array, require_positive, require_whole
@@ -75,7 +75,7 @@ def waves(cell: PeriodicCell, phases: ArrayLike, at: Any = None) -> Array:
     >>> round(float(cell.waves([0.5, 0.0], step)), 2)  # 1 - N / (D k^2), with D = 1
     -3.8
     """
-    _of_sheet(cell, "waves")
+    require_sheet(cell, "waves")
     given = require_array(phases, name="phases", owner="PeriodicCell.waves")
     if given.ndim == 0 or given.shape[-1] != len(cell.lattice):
         raise ModelError(
@@ -177,7 +177,7 @@ def buckling(cell: PeriodicCell, strain: Sequence[float | None], longest: int = 
     >>> round(float(found.stress[0] / (2 * math.pi / 19) ** 2), 3)
     -1.0
     """
-    _of_sheet(cell, "buckling")
+    require_sheet(cell, "buckling")
     longest = require_whole(longest, "longest", "PeriodicCell.buckling", least=2)
     most = require_positive(most, "most", "PeriodicCell.buckling")
     search = _Search(cell, cell._strains(strain), longest)
@@ -306,11 +306,3 @@ class _Search:
             return min(max(guess, 1.0001 * low), 10 * low, most)
         margin = 1e-6 * (high - low)
         return guess if low + margin < guess < high - margin else 0.5 * (low + high)
-
-
-def _of_sheet(cell: PeriodicCell, owner: str) -> None:
-    if cell.border is None:
-        raise ModelError(
-            f"PeriodicCell.{owner}: the cell is no sheet in space: make its model by Model.from_mesh with dim=3, and "
-            "let the cell find its images"
-        )

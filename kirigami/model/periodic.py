@@ -116,8 +116,7 @@ class Periodic(Constraint):
 
     def _rows(self, numbering: Numbering) -> CellRows:
         border = self.border
-        vectors = np.zeros((len(border.lattice), 3))
-        vectors[:] = border.lattice
+        vectors = border.lattice
         scale = float(np.linalg.norm(vectors, axis=1).mean())
         repeats, sources, steps = border.images[:, 0], border.images[:, 1], border.images[:, 2:]
         off = np.linalg.norm(numbering.rest[repeats] - numbering.rest[sources] - steps @ vectors, axis=1)
