@@ -10,6 +10,7 @@ import numpy as np
 
 from kirigami.errors import KirigamiWarning, ModelError
 from kirigami.geometry.border import tiled
+from kirigami.lattice.cell_system import require_sheet
 from kirigami.lattice.waves import BlochBuckling
 from kirigami.model.model import Model
 from kirigami.primitives.checks import require_instance, require_items, require_positive, require_whole
@@ -41,8 +42,9 @@ def patch(
     Returns
     -------
     Results
-        Positions of the nodes of a sheet of so many cells, with the stress and energy that belong to them; its rim is
-        no free edge. Not equilibria of that sheet with supports of its own.
+        Positions of the nodes of a sheet of so many cells, with the stress and energy that belong to them on its rung;
+        how shells bend between the nodes is guessed, as in ``Step.at``. Its rim is no free edge. Not equilibria of that
+        sheet with supports of its own.
 
     Raises
     ------
@@ -59,8 +61,8 @@ def patch(
     >>> round(float(many.position()[-1, :, 0].max() - many.position()[-1, :, 0].min()), 9)
     3.3
     """
-    if cell.border is None or cell.model.mesh is None:
-        raise ModelError("PeriodicCell.patch: the cell is no sheet in space")
+    require_sheet(cell, "patch")
+    assert cell.border is not None and cell.model.mesh is not None
     numbers = [require_whole(v, "counts", "PeriodicCell.patch", least=1)
                for v in require_items(counts, "counts", "PeriodicCell.patch")]  # fmt: skip
     if len(numbers) != len(cell.lattice) or np.prod(numbers) > MOST:
@@ -79,7 +81,8 @@ def patch(
     material = [materials[k] for k in number.tolist()] * copies
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", KirigamiWarning)  # of the mesh, which the cell has told of
-        model = Model.from_mesh(mesh, thickness, material, "shell" if constants.rung == "shell" else "plate")
+        rung = constants.calibration if constants.rung == "calibration" else constants.rung
+        model = Model.from_mesh(mesh, thickness, material, rung)
     found = Results(System(model))
     for lam, u in _shapes(cell, of, node, steps, tall):
         found.append(Step.at(model, lam, u))
@@ -91,8 +94,7 @@ def _shapes(
 ) -> list[tuple[float, Array]]:
     """Load factors and displacements (n, 3) of the nodes of the patch."""
     lattice = cell.lattice
-    away = np.zeros((len(steps), 3))
-    away[:] = steps @ lattice
+    away = steps @ lattice
     if isinstance(of, BlochBuckling):
         tall = 0.05 * float(np.linalg.norm(lattice, axis=1).mean()) if height is None else height
         turn = np.exp(1j * (steps @ of.phases))

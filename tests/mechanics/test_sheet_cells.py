@@ -358,3 +358,13 @@ def test_nodes_of_the_border_are_constrained_once() -> None:
     m.add(kg.Fix(m.nodes[int(cell.images[0, 0])], "z"))
     with pytest.raises(kg.ModelError, match="constrain each displacement once"):
         kg.System(m)
+
+
+@pytest.mark.parametrize("rung", ["paper", "plate", "facet", kg.Calibration(0.9, 0.01)], ids=str)
+def test_a_patch_stores_the_energy_of_its_cells(rung: str | kg.Calibration) -> None:
+    """Wherever nodes tell all, each rung with its own elements: six cells store six times what one does."""
+    cell = cell_of(slit_sheet(), rung)
+    cell.impose((1e-6, 0.0, 0.0))
+    one = kg.LinearStatic(cell.model).run()
+    stored = [sum(values[-1] for values in results.energy.values()) for results in (one, cell.patch(one, (3, 2)))]
+    assert stored[1] == pytest.approx(6 * stored[0], rel=1e-5, abs=0)
