@@ -158,7 +158,7 @@ def test_stress_jumps_across_a_fold_and_is_a_mean_elsewhere() -> None:
     res.append(kg.Step.at(m, 1.0, u))
     parts = sectors(res)
     assert len(parts.node) == len(mesh.nodes) + len(fold)
-    stress = surface_stress(res, parts)[0]
+    stress = surface_stress(res)[0]
     side = np.empty(len(parts.node))
     side[parts.corner] = (mesh.nodes[mesh.triangles].mean(axis=1)[:, 0] > 1)[:, None]
     assert stress == pytest.approx(np.where(side, 1e3, 0.0), rel=1e-2, abs=1e-6)

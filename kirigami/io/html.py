@@ -209,7 +209,7 @@ def _contents(results: Results, shown: NDArray[np.int64]) -> tuple[dict[str, Any
         vertex = np.zeros(len(results.rest), dtype=np.int64)
         vertex[node[::-1]] = np.arange(len(node))[::-1]
         lines = vertex[mesh.edges[mesh.boundary_edges]]
-        stress = known_stress(results, parts)
+        stress = known_stress(results)
         if stress is not None:
             fields["stress"] = (stress[shown], "node", "stress")
         fields["strain"] = (parts.means(facet_strain(results)[shown]), "node", "")

@@ -91,7 +91,7 @@ def _cells(results: Results) -> tuple[list[tuple[str, Any]], dict[str, Any]]:
     if results.mesh is not None:
         data = {"strain": facet_strain(results)}
         parts = sectors(results)
-        stress = known_stress(results, parts)
+        stress = known_stress(results)
         if stress is not None:
             data["stress"] = parts.over_facets(stress)
         if np.nan_to_num(results.yielded).any():

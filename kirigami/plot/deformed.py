@@ -11,8 +11,7 @@ from kirigami.errors import ModelError
 from kirigami.plot import style
 from kirigami.primitives.checks import require_array, require_choice, require_finite, shown
 from kirigami.results.fields import energy_density
-from kirigami.results.smooth import sectors
-from kirigami.results.stress import sheet_stress
+from kirigami.results.smooth import sectors, surface_stress
 from kirigami.results.yielding import facet_plastic_strain
 from kirigami.units import unit_for
 
@@ -236,10 +235,8 @@ class Field:
             return np.asarray(results.bar_strain[number])
         if self.key == "stress":
             assert self.sectors is not None
-            stress = sheet_stress(results, number)
-            larger = np.maximum(stress.von_mises("top"), stress.von_mises("bottom"))
-            means = self.sectors.means(larger[None])
-            return np.asarray(means[0] if self.smooth else self.sectors.over_facets(means)[0])
+            means = surface_stress(results, number)
+            return means if self.smooth else np.asarray(self.sectors.over_facets(means[None])[0])
         if self.key == "plastic strain":
             assert self.sectors is not None
             strain = facet_plastic_strain(results, number)

@@ -77,7 +77,7 @@ def curvature(positions: ArrayLike, mesh: TriMesh, kind: str = "mean", per: str 
     require_choice(kind, KINDS, "kind", "curvature")
     require_choice(per, ("facet", "node"), "per", "curvature")
     check_flat(mesh, "curvature")
-    components = _Fit(mesh).components(points)
+    components = CurvatureFit(mesh).components(points)
     if per == "node":
         components = np.moveaxis(mesh.nodal_mean(np.moveaxis(components, -2, 0)), 0, -2)
     kxx, kyy, kxy = np.moveaxis(components, -1, 0)
@@ -88,12 +88,12 @@ def curvature(positions: ArrayLike, mesh: TriMesh, kind: str = "mean", per: str 
         gaussian: Floats = kxx * kyy - kxy**2
         return gaussian
     if kind == "tensor":
-        return np.stack([np.stack([kxx, kxy], axis=-1), np.stack([kxy, kyy], axis=-1)], axis=-2)
+        return _tensor(components)
     return principal_values(kxx, kyy, kxy)
 
 
-class _Fit:
-    """Least-squares curvature of facets from hinge angles."""
+class CurvatureFit:
+    """Least-squares curvature of the facets of one flat mesh from hinge angles, whatever the positions."""
 
     def __init__(self, mesh: TriMesh) -> None:
         inner = np.flatnonzero((mesh.edge_facets[:, 1] >= 0) & ~mesh.edge_folded)
@@ -116,6 +116,10 @@ class _Fit:
             row[:] = np.einsum("fij,fj->fi", self.inverse, self._gather(self.weighted * angle[:, None]))
         return found.reshape(*points.shape[:-2], *found.shape[1:])
 
+    def tensor(self, points: Floats) -> Floats:
+        """Curvature (..., facets, 2, 2) in the axes of the drawing, at positions (..., n, 3)."""
+        return _tensor(self.components(points))
+
     def _gather(self, per_edge: Floats) -> Floats:
         """Sums over the edges that meet each node of a facet, wings not counted, and over its three nodes."""
         at_nodes = np.zeros((self.triangles.max() + 1, *per_edge.shape[1:]))
@@ -123,3 +127,9 @@ class _Fit:
             np.add.at(at_nodes, self.quads[:, corner], per_edge)
         total: Floats = at_nodes[self.triangles].sum(axis=1)
         return total
+
+
+def _tensor(components: Floats) -> Floats:
+    """Symmetric tensors (..., 2, 2) of kxx, kyy and kxy."""
+    kxx, kyy, kxy = np.moveaxis(components, -1, 0)
+    return np.stack([np.stack([kxx, kxy], axis=-1), np.stack([kxy, kyy], axis=-1)], axis=-2)

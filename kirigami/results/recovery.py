@@ -9,7 +9,6 @@ sections jump.
 from __future__ import annotations
 
 from dataclasses import replace
-from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -19,7 +18,7 @@ from kirigami.elements.shell_kernel import ShellFacetKernel
 from kirigami.elements.triangle import SurfaceStrain
 from kirigami.primitives.kernel import Array
 from kirigami.results.results import Results
-from kirigami.results.sheet_state import SheetState, StateReader, placed
+from kirigami.results.sheet_state import SheetState, StateReader, placed, state_reader
 from kirigami.results.smooth import folded_edges
 from kirigami.results.step import Step
 
@@ -75,9 +74,9 @@ class Recovery:
         assert constants is not None
         return constants.sections(len(self.mesh.triangles))
 
-    @cached_property
+    @property
     def reader(self) -> StateReader:
-        return StateReader(self.results, self.mesh)
+        return state_reader(self.results, self.mesh)
 
     @property
     def complete(self) -> bool:

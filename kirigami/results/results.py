@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -31,6 +31,7 @@ if TYPE_CHECKING:
     from kirigami.results.error import ErrorBar
     from kirigami.system.system import System
 
+Told = TypeVar("Told")
 
 
 class Results(ModelRecord):
@@ -90,6 +91,10 @@ class Results(ModelRecord):
         self.drives: tuple[Drive, ...] = ()
         self.units = ""
 
+    def __getstate__(self) -> dict[str, Any]:
+        """Without what a copy makes anew, which may know the results it was made of."""
+        return {name: value for name, value in super().__getstate__().items() if name != "_told"}
+
     def __setstate__(self, state: dict[str, Any]) -> None:
         """A copy has lists of its own."""
         self.__dict__.update(state)
@@ -138,6 +143,17 @@ class Results(ModelRecord):
         self.steps.append(step)
         for name in ("lam", "u", "time", "velocity", "row_gradients", "energy", "_told", "error"):
             self.__dict__.pop(name, None)
+
+    @cached_property
+    def _told(self) -> dict[Any, Any]:
+        return {}
+
+    def once(self, key: Any, make: Callable[[], Told]) -> Told:
+        """What is made when it is first asked for, and kept under a key until one more step is stored."""
+        if key not in self._told:
+            self._told[key] = make()
+        kept: Told = self._told[key]
+        return kept
 
     @cached_property
     def lam(self) -> Array:
@@ -362,14 +378,8 @@ class Results(ModelRecord):
             [np.arange(len(k.conn)) if k.members is None else np.asarray(k.members) for k in kernels]
         )
         order = np.argsort(place, kind="stable")  # an object may have several members, as a contact has
-        if (name, quantity) not in self._told:
-            self._told[name, quantity] = self._tell(kernels, quantity, order)
-        values = self._told[name, quantity]
+        values = self.once((name, quantity), lambda: self._tell(kernels, quantity, order))
         return values if of is None else values[:, place[order] == self.object_number(of, int(place.max()) + 1)]
-
-    @cached_property
-    def _told(self) -> dict[tuple[str, str], Array]:
-        return {}
 
     def _tell(self, kernels: list[Kernel], quantity: str, order: NDArray[np.int64]) -> Array:
         rows = []

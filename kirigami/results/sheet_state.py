@@ -16,9 +16,10 @@ holds them in balance, but not what a plate would have. Curvature and, with bars
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -32,7 +33,7 @@ from kirigami.elements.shell_rubber import RubberShellKernel
 from kirigami.elements.shell_yield import YieldingShellKernel
 from kirigami.elements.triangle import ENDS, STARTS, SurfaceStrain, edge_vectors
 from kirigami.geometry.folds import fold_curvature_rates
-from kirigami.post.curvature import curvature
+from kirigami.post.curvature import CurvatureFit
 from kirigami.primitives.kernel import Array, Kernel
 from kirigami.results.results import Results
 from kirigami.results.step import Step
@@ -76,15 +77,16 @@ class StateReader:
         angle = np.arctan2(gradient[:, 1, 0] - gradient[:, 0, 1], gradient[:, 0, 0] + gradient[:, 1, 1])
         cosine, sine = np.cos(angle), np.sin(angle)
         self.turn = np.stack([np.stack([cosine, -sine], axis=-1), np.stack([sine, cosine], axis=-1)], axis=-2)
-        self.rest_curvature = curvature(results.rest[: len(mesh.nodes)], mesh, "tensor") if results.dim == 3 else None
         self.surfaces = [kernel for kernel in results.kernels if kernel.surface]
+        self._laid_out: dict[int, Any] = {}  # what of the members of a kernel is the same at every step
 
     def at(self, step: Step) -> SheetState:
         """The state at a step; of a linear analysis to first order."""
         m = len(self.area)
         shapes: list[tuple[int, ...]] = [(2, 2)] * 4 + [(), (), (6,), (2,)]
         state = SheetState(*(np.zeros((m, *shape)) for shape in shapes))
-        state.curvature = self._surface_curvature(step)
+        if self._bends_by_angles:
+            state.curvature = self._surface_curvature(step)
         state.strain = self._drawn(_tensor(self.surface.at(step.u, self.results.linear), half_shear=True))
         for kernel in self.surfaces:
             self._add_facets(state, kernel, step)
@@ -119,7 +121,7 @@ class StateReader:
 
     def _add_facets(self, state: SheetState, kernel: Kernel, step: Step) -> None:
         results = self.results
-        rows, at = matched(kernel.conn[:, :3], self.mesh.triangles)
+        rows, at = self._facets(kernel)
         felt, borne = results.member_deformation(kernel, step)[rows], results.member_force(kernel, step)[rows]
         state.strain[at] = self._drawn(_tensor(felt[:, :3], half_shear=True), at)
         if not isinstance(kernel, FacetKernel):  # shell facets know their curvature best
@@ -156,6 +158,11 @@ class StateReader:
             state.membrane_energy[at] = np.where(own, energy - bending, state.membrane_energy[at])
         state.bending_energy[at] = np.maximum(energy - state.membrane_energy[at], 0.0)
 
+    def _facets(self, kernel: Kernel) -> tuple[Index, Index]:
+        """Which members of a kernel are facets of the mesh, and which these are."""
+        found: tuple[Index, Index] = self._once(kernel, lambda: matched(kernel.conn[:, :3], self.mesh.triangles))
+        return found
+
     def _drawn_components(self, values: Array, at: Index) -> Array:
         """Strain and curvature (k, 6) from the axes of facets to those of the drawing."""
         parts = [self._drawn(_tensor(part, half_shear=True), at) for part in (values[:, :3], values[:, 3:])]
@@ -169,26 +176,31 @@ class StateReader:
 
     def _of_folds(self, moments: Array, facets: Index) -> Array:
         """Moments (k, 2, 2) of facets whose folds, opposite their corners, have moments (k, 3)."""
+        work = (moments[..., None] * self._fold_rates[facets]).sum(axis=1) / self.area[facets, None]
+        return _tensor(work, half_shear=True)
+
+    @cached_property
+    def _fold_rates(self) -> Array:
+        """Rates (m, 3, 3) of the angles of the folds opposite the corners of facets with the curvature."""
         mesh = self.mesh
-        sides = np.sort(mesh.triangles[facets][:, np.array([STARTS, ENDS]).T], axis=2)  # (k, 3, 2)
+        sides = np.sort(mesh.triangles[:, np.array([STARTS, ENDS]).T], axis=2)  # (m, 3, 2)
         edge = placed(sides.reshape(-1, 2), np.sort(mesh.edges, axis=1)).reshape(-1, 3)
         inner = np.flatnonzero(mesh.edge_facets[:, 1] >= 0)
         rate = np.zeros((len(mesh.edges), 3))
         quads = np.column_stack([mesh.edge_wings[inner, 0], mesh.edges[inner], mesh.edge_wings[inner, 1]])
         rate[inner] = fold_curvature_rates(mesh.nodes[quads, :2])
-        work = (moments[..., None] * rate[edge]).sum(axis=1) / self.area[facets, None]
-        return _tensor(work, half_shear=True)
+        return np.asarray(rate[edge])
 
     def _add_bars(self, state: SheetState, kernel: BarKernel, step: Step) -> None:
         if kernel.strain != "green" or kernel.law != "linear" or kernel.drive is not None:
             return  # no bar of a sheet
-        rows, edges = matched(np.sort(kernel.conn, axis=1), np.sort(self.mesh.edges, axis=1))
+        rows, sides = self._once(kernel, lambda: self._beside(kernel.conn))
         strain = kernel.beyond(self.results.member_deformation(kernel, step), step.lam)[rows]
         if kernel.natural(step.lam) is not None:
             state.natural[:] = np.nan  # of edges, not of facets
         line_force = kernel.EA[rows] * strain * kernel.rest_length[rows]  # force times length
         energy = self.results.member_energy(kernel, step)[rows]
-        for facet, corner, share, chosen in self._sides(edges):
+        for facet, corner, share, chosen in sides:
             n = self.flat[facet, corner] / np.sqrt(self.surface.square[facet, corner])[:, None]
             dyad = n[:, :, None] * n[:, None, :]
             pull = (share * line_force[chosen] / self.area[facet])[:, None, None]
@@ -196,16 +208,13 @@ class StateReader:
             np.add.at(state.membrane_energy, facet, share * energy[chosen])
 
     def _add_hinges(self, state: SheetState, kernel: Kernel, step: Step) -> None:
-        mesh = self.mesh
-        ends = kernel.conn[:, 1:3]
-        rows, edges = matched(np.sort(ends, axis=1), np.sort(mesh.edges, axis=1))
-        smooth = ~mesh.edge_folded[edges]  # the hinges of folds are no part of the sheet between them
-        rows, edges = rows[smooth], edges[smooth]
-        rate = fold_curvature_rates(mesh.nodes[kernel.conn[rows], :2])
+        # the hinges of folds are no part of the sheet between them
+        rows, sides = self._once(kernel, lambda: self._beside(kernel.conn[:, 1:3], folded=False))
+        rate = fold_curvature_rates(self.mesh.nodes[kernel.conn[rows], :2])
         moment = self.results.member_force(kernel, step)[rows]
         energy = self.results.member_energy(kernel, step)[rows]
         tensor = _tensor(rate, half_shear=True) * moment[:, None, None]
-        for facet, _, share, chosen in self._sides(edges):
+        for facet, _, share, chosen in sides:
             np.add.at(state.moment, facet, (share / self.area[facet])[:, None, None] * tensor[chosen])
             np.add.at(state.bending_energy, facet, share * energy[chosen])
 
@@ -228,7 +237,9 @@ class StateReader:
 
     def _add_held_edges(self, state: SheetState, kernel: HeldEdgeKernel, step: Step) -> None:
         mesh = self.mesh
-        facet = placed(np.sort(kernel.conn[:, :3], axis=1), np.sort(mesh.triangles, axis=1))
+        facet = self._once(
+            kernel, lambda: placed(np.sort(kernel.conn[:, :3], axis=1), np.sort(mesh.triangles, axis=1))
+        )
         moment, energy = self.results.member_force(kernel, step), self.results.member_energy(kernel, step)
         turning = mesh.nodes[kernel.conn[kernel.turn_of[:, None], kernel.turn_at], :2]
         whole = np.concatenate([turning, _mirrored(turning)[:, None]], axis=1)  # the fold against the mirror image
@@ -240,6 +251,18 @@ class StateReader:
             work = weight * moment[member] / self.area[facet[member]]
             np.add.at(state.moment, facet[member], _tensor(rate, half_shear=True) * work[:, None, None])
         np.add.at(state.bending_energy, facet, energy)
+
+    def _once(self, kernel: Kernel, lay_out: Callable[[], Any]) -> Any:
+        """How the members of a kernel lie on the mesh, found when its first step is read."""
+        if id(kernel) not in self._laid_out:
+            self._laid_out[id(kernel)] = lay_out()
+        return self._laid_out[id(kernel)]
+
+    def _beside(self, ends: Index, folded: bool = True) -> tuple[Index, list[tuple[Index, Index, Array, Index]]]:
+        """Which members with ends (n, 2) lie on edges of the mesh, if need be of folds, and the sides of these."""
+        rows, edges = matched(np.sort(ends, axis=1), np.sort(self.mesh.edges, axis=1))
+        chosen = folded | ~self.mesh.edge_folded[edges]
+        return rows[chosen], self._sides(edges[chosen])
 
     def _sides(self, edges: Index) -> list[tuple[Index, Index, Array, Index]]:
         """For both sides of edges: facet, corner opposite, share in the area there, which of the edges these are."""
@@ -257,23 +280,41 @@ class StateReader:
 
     # ---- of the surface
 
+    @cached_property
+    def _bends_by_angles(self) -> bool:
+        """Whether there are facets whose curvature only the angles at their edges tell."""
+        known = np.zeros(len(self.area), dtype=bool)
+        for kernel in self.surfaces:
+            if not isinstance(kernel, FacetKernel):
+                known[self._facets(kernel)[1]] = True
+        return self.results.dim == 3 and not known.all()
+
+    @cached_property
+    def _curvature(self) -> tuple[CurvatureFit, Array]:
+        """What makes curvature of positions, and that at rest."""
+        fit = CurvatureFit(self.mesh)
+        return fit, fit.tensor(self.results.rest[: len(self.mesh.nodes)])
+
     def _surface_curvature(self, step: Step) -> Array:
         """Curvature (m, 2, 2) in the axes of the drawing that the angles at the edges make."""
-        mesh = self.mesh
-        if self.rest_curvature is None:
-            return np.zeros((len(self.area), 2, 2))
+        mesh, (fit, at_rest) = self.mesh, self._curvature
         rest, u = self.results.rest[: len(mesh.nodes)], step.u[: len(mesh.nodes)]
         if not self.results.linear:
-            return np.asarray(curvature(rest + u, mesh, "tensor") - self.rest_curvature)
+            return np.asarray(fit.tensor(rest + u) - at_rest)
         largest = float(np.abs(u).max())
         share = min(1.0, SMALL * mesh.size / largest) if largest > 0 else 1.0
-        ahead, back = (curvature(rest + sign * share * u, mesh, "tensor") for sign in (1, -1))
+        ahead, back = (fit.tensor(rest + sign * share * u) for sign in (1, -1))
         return np.asarray(0.5 / share * (ahead - back))
 
     def _drawn(self, tensor: Array, facets: Index | slice = slice(None)) -> Array:
         """From the axes of facets laid out flat to those of the drawing."""
         turn = self.turn[facets]
         return np.asarray(turn.transpose(0, 2, 1) @ tensor @ turn)
+
+
+def state_reader(results: Results, mesh: TriMesh) -> StateReader:
+    """What reads the states of the sheet of some results, made from a flat mesh; one for all who ask."""
+    return results.once("state reader", lambda: StateReader(results, mesh))
 
 
 def placed(given: Index, known: Index) -> Index:

@@ -78,12 +78,16 @@ def sectors(results: Results) -> Sectors:
     >>> sectors(kg.Results(kg.System(m))).node.tolist()  # the nodes on the fold have one on each side
     [0, 0, 1, 2, 2, 3]
     """
-    from scipy.sparse import coo_matrix
-    from scipy.sparse.csgraph import connected_components
-
     mesh = results.mesh
     if mesh is None:
         raise AnalysisError("smooth fields need a model made by Model.from_mesh", results=results)
+    return results.once("sectors", lambda: _parted(results, mesh))
+
+
+def _parted(results: Results, mesh: TriMesh) -> Sectors:
+    from scipy.sparse import coo_matrix
+    from scipy.sparse.csgraph import connected_components
+
     smooth = np.flatnonzero((mesh.edge_facets[:, 1] >= 0) & ~folded_edges(results, mesh))
     first, second = mesh.edge_facets[smooth].T
     at, beside = [], []
@@ -123,32 +127,41 @@ def folded_edges(results: Results, mesh: TriMesh) -> NDArray[np.bool_]:
     return np.asarray(folded)
 
 
-def surface_stress(results: Results, parts: Sectors | None = None) -> Array:
+def surface_stress(results: Results, step: int | None = None) -> Array:
     """Von Mises' stress at the face where it is larger, as means over sectors (s, k) [force / length^2].
+
+    That of a step is computed once, however many pictures and tables show it.
 
     Parameters
     ----------
     results : Results
         Of a model made from a flat mesh, whose thickness and material are known.
-    parts : Sectors, optional
-        As :func:`sectors` finds them.
+    step : int, optional
+        Number of one stored step, (k,); None takes all of them.
 
     Raises
     ------
     KirigamiError
         The stress is not known; see :func:`kirigami.results.stress.sheet_stress`.
     """
-    parts = sectors(results) if parts is None else parts
-    rows = []
-    for step in range(len(results)):
-        stress = sheet_stress(results, step)
-        rows.append(np.maximum(stress.von_mises("top"), stress.von_mises("bottom")))
-    return parts.means(np.array(rows).reshape(len(results), -1))
+    parts = sectors(results)
+
+    def of_one(number: int) -> Array:
+        stress = sheet_stress(results, number)
+        larger = np.maximum(stress.von_mises("top"), stress.von_mises("bottom"))
+        return np.asarray(parts.means(larger[None])[0])
+
+    def kept(number: int) -> Array:
+        return results.once(("surface stress", number), lambda: of_one(number))
+
+    if step is not None:
+        return kept(results.step_number(step, "surface_stress") % len(results))
+    return np.array([kept(number) for number in range(len(results))]).reshape(len(results), len(parts.node))
 
 
-def known_stress(results: Results, parts: Sectors | None = None) -> Array | None:
-    """The same, or None where the stress is not known."""
+def known_stress(results: Results) -> Array | None:
+    """That of all steps, or None where the stress is not known."""
     try:
-        return surface_stress(results, parts)
+        return surface_stress(results)
     except KirigamiError:
         return None

@@ -29,7 +29,7 @@ from kirigami.errors import AnalysisError, ModelError
 from kirigami.post.shape import check_flat, principal_values
 from kirigami.primitives.checks import require_choice, require_instance, require_positive, require_whole
 from kirigami.primitives.material import Laminate, SheetMaterial
-from kirigami.results.sheet_state import SheetState, StateReader
+from kirigami.results.sheet_state import SheetState, state_reader
 from kirigami.units import unit_for
 
 if TYPE_CHECKING:
@@ -260,7 +260,7 @@ def sheet_stress(
         raise ModelError(f"stress: the {'thickness' if height is None else 'material'} is unknown: give it")
     step = None if step is None else results.step_number(step, "stress")
     chosen = results.steps if step is None else [results.steps[step]]
-    reader = StateReader(results, mesh)
+    reader = state_reader(results, mesh)
     states = [reader.at(one) for one in chosen]
     names = [field.name for field in fields(SheetState)]
     parts = {name: np.array([getattr(state, name) for state in states]) for name in names}

@@ -18,8 +18,11 @@ import shapely
 import kirigami as kg
 from kirigami.io.surface import write_surface
 from kirigami.io.table import curves
+from kirigami.results import smooth
 from kirigami.results.fields import energy_density, facet_strain
+from kirigami.results.sheet_state import StateReader
 from kirigami.results.smooth import sectors, surface_stress
+from kirigami.results.stress import sheet_stress
 
 pytest.importorskip("plotly")
 from kirigami.io.html import to_html
@@ -28,6 +31,19 @@ from kirigami.io.html import to_html
 def contents(page: str) -> tuple[dict, bytes]:
     head, body = (re.search(rf'id="{name}">([^<]*)</script>', page)[1] for name in ("head", "body"))
     return json.loads(head), zlib.decompress(base64.b64decode(body))
+
+
+def test_stress_of_a_step_is_computed_once(strip: kg.Results, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Whatever shows it: a page, files for ParaView, and pictures; by one reader, which looks at the mesh once."""
+    results, computed, readers = copy.copy(strip), [], []
+    monkeypatch.setattr(smooth, "sheet_stress", lambda of, step: computed.append(step) or sheet_stress(of, step))
+    looked = StateReader.__init__
+    monkeypatch.setattr(StateReader, "__init__", lambda self, *of: readers.append(self) or looked(self, *of))
+    to_html(results, tmp_path / "strip.html")
+    results.to_vtk(tmp_path)
+    results.plot(color="stress")
+    assert computed == list(range(len(results)))
+    assert len(readers) == 1
 
 
 def test_page_holds_positions_curves_and_colours(strip: kg.Results, tmp_path: Path) -> None:
