@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from kirigami.drawing.curves import Floats
 from kirigami.geometry.noding import node_lines
+from kirigami.geometry.topology import pair_numbers
 
 Integers = NDArray[np.int64]
 
@@ -59,10 +60,8 @@ class Network:
         """The edges along a ring that is made of them."""
         numbers = self._number_of_point
         along = np.array([numbers[point] for point in map(tuple, shapely.get_coordinates(ring).tolist())])
-        ends = np.sort(np.column_stack([along[:-1], along[1:]]), axis=1)
-        count = len(self.points)
-        keys = self.pairs[:, 0] * count + self.pairs[:, 1]  # ascending
-        edges: Integers = np.unique(np.searchsorted(keys, ends[:, 0] * count + ends[:, 1]))
+        ends = np.column_stack([along[:-1], along[1:]])
+        edges: Integers = np.unique(pair_numbers(ends, self.pairs, len(self.points)))
         return edges
 
     @cached_property

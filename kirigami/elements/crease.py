@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from kirigami.elements.driven_rest import driven, held_at, targets_of, untouched
 from kirigami.errors import ModelError
+from kirigami.geometry.topology import pair_numbers
 from kirigami.primitives.checks import require_finite
 from kirigami.primitives.kernel import Array, Contribution, Kernel
 from kirigami.primitives.node import Node, listed
@@ -114,9 +115,7 @@ class Crease(ModelObject):
             raise ModelError("Crease: the model has no shell facets to fold; make it with stiffness='shell'")
         pairs = folded_pairs(objects, numbering)
         owner = np.repeat(np.arange(len(objects)), [len(item.line) - 1 for item in objects])
-        size = len(numbering.rest)
-        code = edges.ends[:, 0] * size + edges.ends[:, 1]
-        edge = np.searchsorted(code, pairs[:, 0] * size + pairs[:, 1])
+        edge = pair_numbers(pairs, edges.ends, numbering.points)
         conn, angle, length = fold_sides(edges, edge, numbering.rest)
         stiffness = np.array([item.stiffness for item in objects])[owner]
         wanted = np.array([np.nan if item.rest_angle is None else item.rest_angle for item in objects])[owner]

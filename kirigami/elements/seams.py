@@ -23,7 +23,7 @@ from kirigami.elements.held_edges import given_back, joined_members
 from kirigami.elements.stiffness import hinge_stiffness
 from kirigami.elements.triangle import ENDS, STARTS
 from kirigami.errors import ModelError
-from kirigami.geometry.topology import pair_keys
+from kirigami.geometry.topology import pair_numbers
 from kirigami.primitives.kernel import Array, Kernel
 from kirigami.primitives.parts import Numbering
 
@@ -48,11 +48,8 @@ class CellBorder:
 
     def numbers(self, ends: Index) -> Index:
         """Numbers (s, 2) of the edges that repeat and of those they repeat, among edges with given ends (e, 2)."""
-        size = int(ends.max()) + 1
-        keys = pair_keys(ends, size)
-        order = np.argsort(keys)
-        wanted = np.stack([pair_keys(self.edges[:, :2], size), pair_keys(self.edges[:, 2:4], size)], axis=1)
-        return np.asarray(order[np.searchsorted(keys[order], wanted)])
+        pairs = self.edges[:, :4].reshape(-1, 2)
+        return pair_numbers(pairs, ends, int(ends.max()) + 1).reshape(-1, 2)
 
     def alike(self, sources: Index) -> Index:
         """Ends (s, 2) of the edges that repeat, in the order of those (s, 2) of the edges they repeat."""

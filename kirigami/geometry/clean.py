@@ -19,7 +19,7 @@ from shapely.geometry.base import BaseGeometry
 from kirigami.errors import GeometryError, KirigamiWarning
 from kirigami.geometry.noding import node_lines
 from kirigami.geometry.repairs import OUTLINE, Repairs, names_of
-from kirigami.geometry.topology import paired_half_edges, regions
+from kirigami.geometry.topology import pair_numbers, paired_half_edges, regions
 from kirigami.geometry.triangulate import Triangulation, chosen_mesher, triangulate
 
 Integers = NDArray[np.int64]
@@ -268,14 +268,12 @@ class _Hull:
         self.areas = 0.5 * np.abs(one[:, 0] * two[:, 1] - one[:, 1] * two[:, 0])
         first, second = paired_half_edges(self.triangles)
         start, end = self.triangles.ravel()[first], self.triangles[:, [1, 2, 0]].ravel()[first]
-        keys = np.minimum(start, end) * len(self.points) + np.maximum(start, end)  # ascending
-        wanted = pairs[:, 0] * len(self.points) + pairs[:, 1]
-        edge = np.minimum(np.searchsorted(keys, wanted), len(keys) - 1)
-        if len(self.points) != len(points) or (keys[edge] != wanted).any():
+        edge = pair_numbers(pairs, np.column_stack([start, end]), len(self.points))
+        if len(self.points) != len(points) or (edge < 0).any():
             raise GeometryError("the mesh generator lost an edge of the drawing; try a larger `snap`")
         self.directed_pairs = np.column_stack([start[edge], end[edge]])  # the first facet at the left
         self.facets = np.column_stack([first // 3, np.where(second < 0, -1, second // 3)])[edge]
-        self.rim = first[(second < 0) & ~np.isin(np.arange(len(keys)), edge)] // 3  # at undrawn edges of the hull
+        self.rim = first[(second < 0) & ~np.isin(np.arange(len(first)), edge)] // 3  # at undrawn edges of the hull
 
     def _inside_at(self, inside: NDArray[np.bool_]) -> NDArray[np.bool_]:
         both: NDArray[np.bool_] = inside[self.facets] & (self.facets >= 0)

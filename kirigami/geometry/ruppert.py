@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kirigami.geometry.delaunay import constrained
-from kirigami.geometry.topology import pair_keys, paired_half_edges, within
+from kirigami.geometry.topology import pair_numbers, paired_half_edges, within
 
 Integers = NDArray[np.int64]
 Floats = NDArray[np.float64]
@@ -111,11 +111,7 @@ class _Sides:
         self.twin[first[both]], self.twin[second[both]] = second[both], first[both]
         self.start, self.end = triangles.ravel(), triangles[:, [1, 2, 0]].ravel()
         self.apex = triangles[:, [2, 0, 1]].ravel()
-        keys = pair_keys(work.segments, count)
-        order = np.argsort(keys)
-        mine = pair_keys(np.column_stack([self.start, self.end]), count)
-        place = np.minimum(np.searchsorted(keys[order], mine), len(keys) - 1)
-        self.segment = np.where(keys[order][place] == mine, order[place], -1)
+        self.segment = pair_numbers(np.column_stack([self.start, self.end]), work.segments, count)
         self.points = work.points
 
     def encroached(self, min_angle: float) -> Integers:

@@ -17,6 +17,21 @@ def pair_keys(pairs: Integers, count: int) -> Integers:
     return keys
 
 
+def pair_numbers(pairs: Integers, among: Integers, count: int) -> Integers:
+    """Number of each unordered pair of the `count` nodes among others, in any order; -1 where it is none of them.
+
+    >>> pair_numbers(np.array([(2, 1), (0, 2)]), np.array([(0, 1), (3, 0), (1, 2)]), 4).tolist()
+    [2, -1]
+    """
+    if not len(among):
+        return np.full(len(pairs), -1)
+    keys, wanted = pair_keys(among, count), pair_keys(pairs, count)
+    order = np.argsort(keys, kind="stable")
+    place = order[np.minimum(np.searchsorted(keys, wanted, sorter=order), len(keys) - 1)]
+    numbers: Integers = np.where(keys[place] == wanted, place, -1)
+    return numbers
+
+
 def paired_half_edges(triangles: Integers) -> tuple[Integers, Integers]:
     """First and second (or -1) half-edge of each edge; of two, the first starts at the smaller node."""
     start, end = triangles.ravel(), triangles[:, [1, 2, 0]].ravel()
@@ -49,11 +64,9 @@ def regions(triangles: Integers, barriers: Integers, among: NDArray[np.bool_] | 
     from scipy.sparse.csgraph import connected_components
 
     first, second = paired_half_edges(triangles)
-    start, end = triangles.ravel()[first], triangles[:, [1, 2, 0]].ravel()[first]
-    pairs = np.sort(barriers, axis=1)
+    ends = np.column_stack([triangles.ravel()[first], triangles[:, [1, 2, 0]].ravel()[first]])
     count = int(triangles.max()) + 1
-    keys = np.minimum(start, end) * count + np.maximum(start, end)
-    linked = (second >= 0) & ~np.isin(keys, pairs[:, 0] * count + pairs[:, 1])
+    linked = (second >= 0) & ~np.isin(pair_keys(ends, count), pair_keys(barriers, count))
     left, right = first[linked] // 3, second[linked] // 3
     if among is not None:
         both = among[left] & among[right]

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kirigami.errors import GeometryError
-from kirigami.geometry.topology import boundary_pairs, pair_keys, within
+from kirigami.geometry.topology import boundary_pairs, pair_numbers, within
 from kirigami.primitives.checks import require_choice
 
 Integers = NDArray[np.int64]
@@ -107,12 +107,9 @@ def _refined(
 
     count = len(start.points)
     rim = boundary_pairs(start.triangles)
-    inner = ~np.isin(pair_keys(start.segments, count), pair_keys(rim, count))
-    known = pair_keys(start.segments, count)
-    order = np.argsort(known)
-    place = np.minimum(np.searchsorted(known[order], pair_keys(rim, count)), len(order) - 1)
-    drawn = known[order][place] == pair_keys(rim, count)
-    markers = np.concatenate([start.markers[inner], np.where(drawn, start.markers[order][place], -1)])
+    inner = pair_numbers(start.segments, rim, count) < 0
+    drawn = pair_numbers(rim, start.segments, count)
+    markers = np.concatenate([start.markers[inner], np.where(drawn >= 0, start.markers[drawn], -1)])
     segments = np.concatenate([start.segments[inner], rim])
     is_rim = np.arange(len(segments)) >= inner.sum()
     most = np.inf if max_new_points is None else max_new_points

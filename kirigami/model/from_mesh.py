@@ -18,7 +18,7 @@ from kirigami.elements.stiffness import Calibration, SheetConstants, bar_stiffne
 from kirigami.errors import KirigamiWarning, ModelError
 from kirigami.geometry.fold_line import FoldEdges
 from kirigami.geometry.mesh import TriMesh
-from kirigami.geometry.topology import pair_keys
+from kirigami.geometry.topology import pair_numbers
 from kirigami.model.edge_yield import EdgeYield
 from kirigami.model.properties import Materials, Thickness, facet_properties
 from kirigami.primitives.checks import require_instance
@@ -167,15 +167,13 @@ def _warn(
 def _fold_stiffness(mesh: TriMesh, constants: SheetConstants) -> list[tuple[FoldEdges, NDArray[np.int64], Array]]:
     """The folds of a mesh with the numbers of their edges and the stiffness of each [force / rad], which is that of a
     score of the softer side where a fold has none of its own."""
-    keys = pair_keys(mesh.edges, len(mesh.nodes))
-    order = np.argsort(keys)
     score = np.zeros(0)
     if any(fold.stiffness is None for fold in mesh.folds):
         count = len(mesh.triangles)
         score = score_stiffness(constants.thickness_of_facets(count), constants.sections(count))
     found = []
     for fold in mesh.folds:
-        at = order[np.searchsorted(keys[order], pair_keys(fold.edges, len(mesh.nodes)))]
+        at = pair_numbers(fold.edges, mesh.edges, len(mesh.nodes))
         own = score[mesh.edge_facets[at]].min(axis=1) if fold.stiffness is None else np.full(len(at), fold.stiffness)
         found.append((fold, at, own))
     return found

@@ -25,6 +25,7 @@ from kirigami.elements.held_edges import facet_edges
 from kirigami.elements.shell_kernel import ShellFacetKernel
 from kirigami.errors import ModelError
 from kirigami.geometry.folds import fold_curvature_rates
+from kirigami.geometry.topology import pair_numbers
 from kirigami.primitives.kernel import Array
 from kirigami.primitives.material import strain_turn
 from kirigami.primitives.parts import Numbering
@@ -167,12 +168,8 @@ class NaturalState:
 
     def _edges_of(self, pairs: Index) -> tuple[Index, Index]:
         """Members (k,) that are edges of the mesh, the first on each, and which."""
-        size = len(self.numbering.rest)
-        mesh_codes = _codes(self.mesh.edges, size)
-        codes = _codes(pairs, size)
-        order = np.argsort(mesh_codes)
-        at = order[np.minimum(np.searchsorted(mesh_codes[order], codes), len(order) - 1)]
-        rows = np.flatnonzero(mesh_codes[at] == codes)
+        at = pair_numbers(pairs, self.mesh.edges, len(self.numbering.rest))
+        rows = np.flatnonzero(at >= 0)
         edges, first = np.unique(at[rows], return_index=True)
         return rows[first], edges
 
@@ -219,10 +216,7 @@ class NaturalState:
                 (kernel.fold_of, kernel.fold_at[:, 1:3], kernel.fold_weight, folds[0]),
             ):
                 pairs = kernel.conn[member[:, None], at]
-                size = len(self.numbering.rest)
-                codes = _codes(self.mesh.edges, size)
-                order = np.argsort(codes)
-                edges = order[np.searchsorted(codes[order], _codes(pairs, size))]
+                edges = pair_numbers(pairs, self.mesh.edges, len(self.numbering.rest))
                 np.add.at(chi, member, weight * angle[edges])
             kernel.actuate(np.arange(len(chi)), chi, constant)
 

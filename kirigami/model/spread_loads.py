@@ -18,7 +18,7 @@ from numpy.typing import ArrayLike, NDArray
 from kirigami.elements.facet import Facet
 from kirigami.elements.shell_facet import ShellFacet
 from kirigami.errors import ModelError
-from kirigami.geometry.topology import paired_half_edges
+from kirigami.geometry.topology import pair_numbers, paired_half_edges
 from kirigami.model.loads import Load, NodalLoadKernel
 from kirigami.primitives.checks import require_array, require_boolean, require_finite, require_whole_array, shown
 from kirigami.primitives.kernel import Array, Kernel
@@ -112,12 +112,8 @@ class Surface:
         """Rows (k,) of the middles of edges (k, 2) of shell facets, -1 where there is none."""
         edges = self.numbering.edges
         assert edges is not None
-        size = self.numbering.points
-        key = edges.ends[:, 0] * size + edges.ends[:, 1]
-        low, high = np.sort(ends, axis=1).T
-        wanted = low * size + high
-        at = np.minimum(np.searchsorted(key, wanted), len(key) - 1)  # edges are numbered in this order
-        return np.where(key[at] == wanted, edges.middle[at], -1)
+        at = pair_numbers(ends, edges.ends, self.numbering.points)
+        return np.where(at >= 0, edges.middle[at], -1)
 
     def mass_per_area(self, owner: str) -> Array:
         """Mass per area (m,) of each facet."""

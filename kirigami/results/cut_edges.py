@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from kirigami.geometry.topology import pair_keys
+from kirigami.geometry.topology import pair_numbers
 from kirigami.primitives.kernel import Array, Kernel
 
 if TYPE_CHECKING:
@@ -66,21 +66,16 @@ def _turned(a: Array) -> Array:
 
 def cut_edges(mesh: TriMesh, kernels: Sequence[Kernel], points: int) -> list[CutEdges]:
     """The edges round every cut of a mesh; `points` is the number of nodes of the model."""
-    keys, rows = np.zeros(0, np.int64), np.zeros(0, np.int64)
+    ends, rows = np.zeros((0, 2), np.int64), np.full(1, -1)
     for kernel in kernels:
         if kernel.name == "shell":
             ends = np.stack([kernel.conn[:, :3], np.roll(kernel.conn[:, :3], -1, axis=1)], axis=2).reshape(-1, 2)
-            keys, first = np.unique(pair_keys(ends, points), return_index=True)
-            rows = kernel.conn[:, 3:6].ravel()[first]
+            rows = np.append(kernel.conn[:, 3:6].ravel(), -1)
     found = []
     for cut in mesh.cuts:
         start = np.asarray(cut.loop)
         end = np.roll(start, -1)
-        middle = np.full(len(start), -1)
-        if len(keys):
-            own = pair_keys(np.stack([start, end], axis=1), points)
-            at = np.minimum(np.searchsorted(keys, own), len(keys) - 1)
-            middle = np.where(keys[at] == own, rows[at], -1)
+        middle = rows[pair_numbers(np.stack([start, end], axis=1), ends, points)]
         found.append(CutEdges(start, end, middle))
     return found
 

@@ -20,6 +20,7 @@ from kirigami.elements.mesh_bias import free_compliance, stress_along
 from kirigami.elements.shell_geometry import GAUSS
 from kirigami.elements.stiffness import Calibration
 from kirigami.errors import KirigamiWarning, ModelError
+from kirigami.geometry.topology import pair_numbers
 from kirigami.model.model import Model
 from kirigami.primitives.checks import require_instance
 from kirigami.primitives.kernel import Array, Configuration, Kernel, full_hessian
@@ -283,11 +284,7 @@ def _area_share(kernel: Kernel, mesh: TriMesh) -> Array:
         return np.asarray(0.5 * np.linalg.norm(cross, axis=1))
     ends = kernel.conn if kernel.name == "bars" else kernel.conn[:, 1:3]
     areas = np.append(mesh.facet_areas, 0.0)[mesh.edge_facets].sum(axis=1) / 3
-    n = len(mesh.nodes)
-    codes = np.sort(mesh.edges, axis=1) @ [n, 1]
-    order = np.argsort(codes)
-    wanted = np.sort(ends, axis=1) @ [n, 1]
-    return np.asarray(areas[order[np.searchsorted(codes[order], wanted)]])
+    return np.asarray(areas[pair_numbers(ends, mesh.edges, len(mesh.nodes))])
 
 
 def _turned(matrix: Array, angle: float) -> Array:

@@ -208,6 +208,25 @@ def test_modes_of_a_cell_are_among_those_of_many(rung: str) -> None:
         assert np.abs(more / value - 1).min() < 1e-6
 
 
+def test_loads_and_folds_of_a_cell_do_not_hang_on_how_nodes_are_numbered() -> None:
+    """Edges on the border run as those they repeat, so not always from the lower node to the higher one."""
+    mesh, lattice = uncut(3)
+    order = np.random.default_rng(2).permutation(len(mesh.nodes))  # the new number of each node
+    other = kg.TriMesh(mesh.nodes[np.argsort(order)], order[mesh.triangles])
+    found = []
+    for one, number in ((mesh, np.arange(len(order))), (other, order)):
+        sunk = []
+        for load in (kg.AreaLoad((0.0, 0.0, 1.0)), kg.Pressure(1.0)):
+            model = kg.Model.from_mesh(one, THICKNESS, MATERIAL, "shell")
+            kg.PeriodicCell(model, lattice).impose((0.0, 0.0, 0.0))
+            model.add(kg.Crease([model.nodes[number[k]] for k in (5, 9)], 10.0), load)
+            sunk.append(kg.LinearStatic(model).run().u[-1][number])
+        assert np.abs(sunk[0]).max() > 0
+        assert sunk[0] == pytest.approx(sunk[1], rel=1e-9, abs=1e-9 * np.abs(sunk[0]).max())
+        found.append(sunk[0])
+    assert found[0] == pytest.approx(found[1], rel=1e-6, abs=1e-6 * np.abs(found[0]).max())
+
+
 # ---- waves
 
 
