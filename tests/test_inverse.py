@@ -121,6 +121,15 @@ def test_a_load_factor_of_buckling_is_met():
     assert found.design.walk([1.0]).events[number].lam == pytest.approx(1.44 * lam, rel=1e-4)
 
 
+def test_thickness_of_all_facets_pulls_as_the_thickness_does():
+    """Whatever is asked for, at whatever load factors: an error, a wish, and a stiffness, which has two sides."""
+    stiffness = ("stiffness", "driven_0", "y")
+    targets = [(FORCE, [0.5, 1.0], [1.0, 3.0]), (("open_area",), 1.0, "max"), (stiffness, 1.0, 1e3)]
+    found = kg.Inverse(design(thickness=(1e-3, 5e-4, 2e-3)), targets, evaluations=1, corrections=None).run()
+    whole = float(found.thicker @ found.design.mesh.facet_areas)
+    assert whole == pytest.approx(found.sensitivities["thickness"], rel=1e-5)
+
+
 def test_what_is_out_of_reach_is_told():
     found = kg.Inverse(design(), (FORCE, 1.0, 1e6), corrections=None, evaluations=12).run()
     assert found.status in ("closest", "out of evaluations")

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from kirigami.design.answer import InverseResult
 from kirigami.design.asked import carries_over, combined
@@ -19,6 +20,7 @@ from kirigami.design.targets import critical_events, load_factors
 from kirigami.errors import AnalysisError, KirigamiError, KirigamiWarning, ModelError
 from kirigami.files import whole_file
 from kirigami.primitives.kernel import Array
+from kirigami.results.gradients.equilibrium import weighted
 from kirigami.results.gradients.fields import of_sheet
 
 if TYPE_CHECKING:
@@ -161,29 +163,34 @@ class Search:
 
     def wishes(self, trial: Trial) -> tuple[float, Array]:
         """What is to be small, and its derivatives: half the squared errors, and what is wished for."""
-        wished = np.concatenate([np.full(len(target.lam), target.wish != 0) for target in self.problem.targets])
-        scales = np.concatenate([
-            np.full(len(target.lam), (target.wish or 1.0) / target.scale) for target in self.problem.targets
-        ])
-        value = 0.5 * float((trial.errors**2).sum()) + float((trial.told * scales)[wished].sum())
-        slope = trial.errors @ trial.slopes + trial.slopes[wished].sum(axis=0)
-        return value, slope
+        scales, pull = self._pull(trial)
+        wished = float((trial.told * scales)[self._wished].sum())
+        return 0.5 * float((trial.errors**2).sum()) + wished, pull @ trial.slopes
+
+    @property
+    def _wished(self) -> NDArray[np.bool_]:
+        """Which values are wished to be large or small."""
+        return np.concatenate([np.full(len(target.lam), target.wish != 0) for target in self.problem.targets])
+
+    def _pull(self, trial: Trial) -> tuple[Array, Array]:
+        """What makes errors or wishes of the values asked for, and the derivatives of what is to be small by these."""
+        scales = [np.full(len(target.lam), (target.wish or 1.0) / target.scale) for target in self.problem.targets]
+        return np.concatenate(scales), np.where(self._wished, 1.0, trial.errors)
 
     def _thicker(self, design: Design, trial: Trial) -> Array | None:
         """Derivatives (facets,) of what is to be small by the thickness of each facet, over its area."""
-        weights = np.concatenate([
-            np.full(len(target.lam), (target.wish or 1.0) / target.scale) for target in self.problem.targets
-        ])  # fmt: skip
-        weights *= np.where(np.concatenate([
-            np.full(len(target.lam), target.wish != 0) for target in self.problem.targets
-        ]), 1.0, trial.errors)  # fmt: skip
         asked = [(target.functional, lam) for target in self.problem.targets for lam in target.lam.tolist()]
         total = np.zeros(len(design.mesh.triangles))
         try:
             self.branch.go_to(design)
-            for weight, (functional, lam) in zip(weights.tolist(), asked):
-                for share, adjoint in self.branch.asked(functional, lam).parts:
-                    total += weight * share * of_sheet([adjoint], "thickness", "Inverse")[0]
+            parts = [
+                (weight * share, adjoint)
+                for weight, (functional, lam) in zip(np.prod(self._pull(trial), axis=0).tolist(), asked)
+                for share, adjoint in self.branch.asked(functional, lam).parts
+            ]
+            for at in {id(adjoint.at): adjoint.at for _, adjoint in parts}.values():
+                weights, adjoints = zip(*(part for part in parts if part[1].at is at))
+                total += weighted(weights, of_sheet(adjoints, "thickness", "Inverse"))
         except KirigamiError:
             return None
         return total / design.mesh.facet_areas
