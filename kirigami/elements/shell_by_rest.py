@@ -19,7 +19,16 @@ import numpy as np
 
 from kirigami.elements.shell_bending import edge_frames
 from kirigami.elements.shell_chart_back import ChartRates
-from kirigami.elements.shell_geometry import EDGE_OF_POINT, EDGE_PLACES, EDGES, MIDDLE_ROWS, combine, dot
+from kirigami.elements.shell_geometry import (
+    EDGE_OF_POINT,
+    EDGE_PLACES,
+    EDGES,
+    MIDDLE_ROWS,
+    by_measures,
+    combine,
+    dot,
+    integrated,
+)
 from kirigami.elements.shell_rates import ALONG, INWARD, Frames, Look, Rates, spread
 from kirigami.elements.smooth_normals import sums
 from kirigami.primitives.kernel import Array
@@ -101,8 +110,8 @@ class _Pass:
         a = self._resultants(rates.fields + energy * self.felt)
         chart = ChartRates(self.chart, look.part)
         chart.area += ((rates.fields + 0.5 * energy * self.felt) * b).sum(axis=(1, 2)) / self.area
-        pull, force = (_pulled(look.to_strain, resultant[..., :3]) for resultant in (a, b))
-        bend, turn = (_pulled(look.to_curvature, resultant[..., 3:]) for resultant in (a, b))
+        pull, force = (by_measures(look.to_strain, resultant[..., :3]) for resultant in (a, b))
+        bend, turn = (by_measures(look.to_curvature, resultant[..., 3:]) for resultant in (a, b))
         found = self._of_membrane(chart, pull, force, rates)
         found += self._of_bending(chart, (a, bend), (b, turn), rates)
         found[:2] += chart.by_corners()
@@ -112,9 +121,7 @@ class _Pass:
         return found, (share * seen.side)[:, None] * edges.normal - (share * seen.up)[:, None] * edges.inward
 
     def _resultants(self, fields: Array) -> Array:
-        weighted = fields @ self.section
-        weighted += weighted.sum(axis=1, keepdims=True)
-        return np.asarray(weighted * (self.area / 12)[:, None, None])
+        return integrated(fields @ self.section, self.area)
 
     def _of_membrane(self, chart: ChartRates, pull: Array, force: Array, rates: Rates) -> Array:
         look = self.look
@@ -168,11 +175,6 @@ class _Pass:
         found = look.frames.by_heights(here) - self.rest.by_heights(here) + rates.motion.of_heights(before)
         found += look.frames.by_angles(pull[9:]) - self.rest.by_angles(pull[9:]) + rates.motion.of_angles(force[9:])
         return np.asarray(found)
-
-
-def _pulled(matrix: Array, resultants: Array) -> Array:
-    """Derivatives (k, n) by the measures, of those by the fields at the corners (n, 3, 3)."""
-    return np.asarray((resultants.reshape(-1, 1, 9) @ matrix)[:, 0].T)
 
 
 def _at_points(values: Array) -> Array:

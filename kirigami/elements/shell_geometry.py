@@ -116,3 +116,18 @@ class Chart:
         self.normal = np.stack([self.tangent[..., 1], -self.tangent[..., 0]], axis=-1)
         opposite = along[:, [1, 2, 0]]
         self.gradient = np.stack([-opposite[..., 1], opposite[..., 0]], axis=-1) / (2 * self.area)[:, None, None]
+
+
+def corner_fields(matrix: Array, measures: Array) -> Array:
+    """Fields (n, 3, 3) at the corners, of measures (k, n), by matrices (n, 9, k)."""
+    return np.asarray((matrix @ measures.T[:, :, None]).reshape(-1, 3, 3))
+
+
+def by_measures(matrix: Array, resultants: Array) -> Array:
+    """Derivatives (k, n) of the energy by the measures, of those by the fields at the corners (n, 3, 3)."""
+    return np.asarray((resultants.reshape(-1, 1, 9) @ matrix)[:, 0].T)
+
+
+def integrated(fields: Array, area: Array) -> Array:
+    """Integrals (n, 3, k) over facets of the barycentric coordinates times fields (n, 3, k) at the corners."""
+    return np.asarray((fields + fields.sum(axis=1, keepdims=True)) * (area / 12)[:, None, None])

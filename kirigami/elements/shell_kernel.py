@@ -18,11 +18,17 @@ from kirigami.elements.shell_bending import (
     area_frames,
     edge_frames,
 )
-from kirigami.elements.shell_geometry import EDGE_OF_POINT, Chart, facet_vectors
+from kirigami.elements.shell_geometry import (
+    EDGE_OF_POINT,
+    Chart,
+    by_measures,
+    corner_fields,
+    facet_vectors,
+    integrated,
+)
 from kirigami.elements.shell_membrane import Membrane
 from kirigami.elements.shell_rates import Look, looks
-from kirigami.elements.shell_rest import angle_scale, initial_directors
-from kirigami.elements.smooth_normals import bulges, corner_normals
+from kirigami.elements.shell_rest import across, angle_scale, initial_directors, repeated
 from kirigami.primitives.kernel import EXACT, Array, CompiledKernel, Contribution, Tangent, displacement_of
 
 CHUNK = 512  # facets whose Hessians are made at a time, so that they stay in the processor's cache
@@ -76,7 +82,7 @@ class ShellFacetKernel(NaturalKernel):
         self._angle_scale = angle_scale(self.chart, forward)  # (6, n): of the stored angles in the local ones
         point = np.tile([0, 1], 3)
         self._stored = np.where(forward[:, EDGE_OF_POINT].T, point[:, None], 1 - point[:, None])  # (6, n) of an edge's
-        shared = conn[:, 6:] if seams is None else _repeated(conn[:, 6:], seams)
+        shared = conn[:, 6:] if seams is None else repeated(conn[:, 6:], seams)
         self._angle_rows, self._edge = np.unique(shared, return_inverse=True)
         self._edge = self._edge.reshape(-1, 3)[:, EDGE_OF_POINT].T  # (6, n)
         frames = edge_frames(self._rest_vectors)
@@ -113,7 +119,7 @@ class ShellFacetKernel(NaturalKernel):
     def _rest_form(self) -> Array:
         """Mean second form (n, 3) of facets at rest, (b11, b22, 2 b12)."""
         measures = np.concatenate([self._rest_curvatures, self._rest_angles])
-        return np.asarray(_apply(self._bending.to_curvature, measures).mean(axis=1))
+        return np.asarray(corner_fields(self._bending.to_curvature, measures).mean(axis=1))
 
     def warm(self, facets: NDArray[np.int64], heat: Array, constant: bool) -> None:
         """Add to the heat (k, 2) at the lower and upper faces, part of what :meth:`actuate` is told."""
@@ -142,8 +148,8 @@ class ShellFacetKernel(NaturalKernel):
         if need == 0:
             return Contribution(rate)
         resultants = self._drive_resultants(drive, fields)
-        pull = _pull_back(self._membrane.to_strain, resultants[..., :3])
-        bend = _pull_back(self._bending.to_curvature, resultants[..., 3:])
+        pull = by_measures(self._membrane.to_strain, resultants[..., :3])
+        bend = by_measures(self._bending.to_curvature, resultants[..., 3:])
         vectors, directors = self._vectors(x)[0], self._local_directors()
         gradient = np.empty((len(self.conn), 9, 3))
         for start in range(0, len(self.conn), CHUNK):
@@ -183,67 +189,25 @@ class ShellFacetKernel(NaturalKernel):
         """Directors (6, 3, n) at the Gauss points of each facet."""
         return np.asarray(self._directors[self._edge, self._stored].transpose(0, 2, 1))
 
-    def commit(self, x: Array) -> None:
-        frames = edge_frames(self._vectors(x)[0])
-        local = self._local_directors()
-        local = local - (local * frames.tangent).sum(axis=1, keepdims=True) * frames.tangent
-        local /= np.linalg.norm(local, axis=1, keepdims=True)
-        directors = self._directors.copy()
-        directors[self._edge, self._stored] = local.transpose(0, 2, 1)  # the same from either facet
-        self._directors = directors
-
-    def rigidly_moved(self, x: Array, rotation: Array, shift: Array) -> Array:
-        """`x` after a rotation (3, 3) and a shift (3,): offsets of middles only turn, and angles keep up with what the
-        turn does to their directors."""
-        moved = np.array(x, dtype=float)
-        corners, middles = np.unique(self.conn[:, :3]), np.unique(self.conn[:, 3:6])
-        moved[corners] = moved[corners] @ rotation.T + shift
-        moved[middles] = moved[middles] @ rotation.T
-        before, after = (angles(edge_frames(self._vectors(y)[0]), self._local_directors()) for y in (x, moved))
-        turned = (after - before + np.pi) % (2 * np.pi) - np.pi
-        row = self.conn[:, 6:].T[EDGE_OF_POINT]
-        moved[row, self._stored] = np.asarray(x)[row, self._stored] + turned / self._angle_scale
-        return moved
-
-    def settle(self, x: Array) -> None:
-        """Edges bulge as the mean normals of the facets around say, beyond what they do so at rest, and turn by the
-        mean of the facets on them."""
-        triangles = self.conn[:, :3]
-        edge = np.unique(self.conn[:, 6:], return_inverse=True)[1].reshape(-1, 3)
-        apart = np.bincount(edge.ravel()) < 2  # edges of one facet, and those whose sides have angles of their own
-        middles = self.conn[:, 3:6]
-        for sign, rows in ((1.0, np.asarray(x)), (-1.0, self.rest)):
-            normals = corner_normals(rows, triangles, edge, apart)
-            ends = np.stack([rows[triangles], rows[np.roll(triangles, -1, axis=1)]], axis=2).reshape(-1, 2, 3)
-            at_ends = np.stack([normals, np.roll(normals, -1, axis=1)], axis=2).reshape(-1, 2, 3)
-            found = bulges(ends, at_ends).reshape(-1, 3, 3)
-            if sign > 0:
-                total, count = np.zeros_like(self.rest), np.zeros(len(self.rest))
-                np.add.at(total, middles, found)
-                np.add.at(count, middles, 1.0)
-                now, normal = total[middles] / count[middles][..., None], normals
-            else:
-                # what the rest shape has beyond this, carried along with the normals
-                beyond = ((self.rest[middles] - found) * normals).sum(axis=2, keepdims=True)
-        x[middles] = now + beyond * normal
-        frames = edge_frames(self._vectors(x)[0])
-        self._directors = self._rest_directors
-        local = self._local_directors()
-        local = local - (local * frames.tangent).sum(axis=1, keepdims=True) * frames.tangent
-        size = np.linalg.norm(local, axis=1, keepdims=True)
-        local = np.where(size > 0.1, local / np.where(size > 0, size, 1.0), frames.normal)
+    def _count_from(self, local: Array) -> None:
+        """Take over directors (6, 3, n) at the Gauss points of each facet; they are the same from either side."""
         directors = self._directors.copy()
         directors[self._edge, self._stored] = local.transpose(0, 2, 1)
         self._directors = directors
-        turned = (angles(frames, self._local_directors()) - self._rest_angles) / self._angle_scale
-        whole = 2 * np.pi / np.abs(self._angle_scale)
-        first = np.zeros((len(self._angle_rows), 2))
-        first[self._edge, self._stored] = turned
-        turned = turned - whole * np.round((turned - first[self._edge, self._stored]) / whole)
-        total, count = np.zeros_like(first), np.zeros_like(first)
-        np.add.at(total, (self._edge, self._stored), turned)
-        np.add.at(count, (self._edge, self._stored), 1.0)
-        x[self._angle_rows, :2] = total / count
+
+    def commit(self, x: Array) -> None:
+        local = across(self._local_directors(), edge_frames(self._vectors(x)[0]))
+        self._count_from(local / np.linalg.norm(local, axis=1, keepdims=True))
+
+    def rigidly_moved(self, x: Array, rotation: Array, shift: Array) -> Array:
+        from kirigami.elements.shell_settle import rigidly_moved
+
+        return rigidly_moved(self, x, rotation, shift)
+
+    def settle(self, x: Array) -> None:
+        from kirigami.elements.shell_settle import settle
+
+        settle(self, x)
 
     # ---- measures
 
@@ -265,15 +229,13 @@ class ShellFacetKernel(NaturalKernel):
         jump -= 2 * np.pi * np.round(jump / (2 * np.pi))
         bent = self._bending.curvatures(vectors, area_frames(vectors)) - self._rest_curvatures
         fields = np.empty((len(self.conn), 3, 6))
-        fields[..., :3] = _apply(self._membrane.to_strain, stretch)
-        fields[..., 3:] = _apply(self._bending.to_curvature, np.concatenate([bent, jump]))
+        fields[..., :3] = corner_fields(self._membrane.to_strain, stretch)
+        fields[..., 3:] = corner_fields(self._bending.to_curvature, np.concatenate([bent, jump]))
         return fields
 
     def _resultants(self, fields: Array) -> Array:
         """Derivatives (n, 3, 6) of the energy by strain and curvature at the corners."""
-        weighted = fields @ self.section
-        weighted += weighted.sum(axis=1, keepdims=True)
-        return np.asarray(weighted * (self.chart.area / 12)[:, None, None])
+        return integrated(fields @ self.section, self.chart.area)
 
     def borne_deformation(self, x: Array, lam: float) -> Array:
         """Strain and curvature (n, 3, 6) at the corners that the section at rest answers with the forces borne: the
@@ -310,8 +272,7 @@ class ShellFacetKernel(NaturalKernel):
         axes of :meth:`deformation`, at which the facets bear nothing."""
         felt, rates = self._elastic(self._fields(x), lam), self._rates(x, v)
         both = rates + 0.5 * energy * felt
-        spread = (felt + felt.sum(axis=1, keepdims=True)) * (self.chart.area / 12)[:, None, None]
-        section = np.einsum("nia,nib->nab", both, spread)
+        section = np.einsum("nia,nib->nab", both, integrated(felt, self.chart.area))
         natural = -self._resultants(rates + energy * felt).sum(axis=1)
         return {"section": 0.5 * (section + section.transpose(0, 2, 1)), "natural": natural}
 
@@ -359,8 +320,8 @@ class ShellFacetKernel(NaturalKernel):
             chain = self._membrane.derivatives(vectors[..., part], part)
             rate[:, part] = np.einsum("mpan,pan->mn", chain, ahead[..., part])
         fields = np.zeros((len(self.conn), 3, 6)) if not self.coupled else self._fields(x)
-        fields[..., :3] = _apply(self._membrane.to_strain, self._membrane.measures(moved) + rate)
-        return _pull_back(self._membrane.to_strain, self._resultants(self._elastic(fields, lam))[..., :3])
+        fields[..., :3] = corner_fields(self._membrane.to_strain, self._membrane.measures(moved) + rate)
+        return by_measures(self._membrane.to_strain, self._resultants(self._elastic(fields, lam))[..., :3])
 
     # ---- energy and derivatives
 
@@ -374,8 +335,8 @@ class ShellFacetKernel(NaturalKernel):
         if need == 0:
             return Contribution(energy)
         n = len(energy)
-        pull = _pull_back(self._membrane.to_strain, resultants[..., :3])
-        bend = _pull_back(self._bending.to_curvature, resultants[..., 3:])
+        pull = by_measures(self._membrane.to_strain, resultants[..., :3])
+        bend = by_measures(self._bending.to_curvature, resultants[..., 3:])
         geometric = pull
         if tangent.ahead is not None and need == 2:
             geometric = self._pull_ahead(*tangent.ahead, lam)
@@ -457,16 +418,6 @@ class _State(NamedTuple):
     part: slice
 
 
-def _apply(matrix: Array, measures: Array) -> Array:
-    """Fields (n, 3, 3) at the corners, of measures (k, n), by matrices (n, 9, k)."""
-    return np.asarray((matrix @ measures.T[:, :, None]).reshape(-1, 3, 3))
-
-
-def _pull_back(matrix: Array, resultants: Array) -> Array:
-    """Derivatives (k, n) of the energy by the measures, of those by the fields at the corners (n, 3, 3)."""
-    return np.asarray((resultants.reshape(-1, 1, 9) @ matrix)[:, 0].T)
-
-
 def _to_rows(local: Array) -> Array:
     """From derivatives (n, 24) by the vectors v and the stored angles to those by the rows, (n, 9, 3)."""
     rows = np.empty((len(local), 9, 3))
@@ -482,11 +433,3 @@ def _to_blocks(local: Array) -> Array:
     blocks[:, 0, 1:] = -blocks[:, 1, 1:] - blocks[:, 2, 1:]
     blocks[:, :, 0] = -blocks[:, :, 1] - blocks[:, :, 2]
     return blocks
-
-
-def _repeated(rows: NDArray[np.int64], seams: NDArray[np.int64]) -> NDArray[np.int64]:
-    """Rows of angles (n, 3) with those that repeat others replaced by these: they share their directors."""
-    order = np.argsort(seams[:, 0])
-    known = seams[order]
-    place = np.minimum(np.searchsorted(known[:, 0], rows), len(known) - 1)
-    return np.where(known[place, 0] == rows, known[place, 1], rows)

@@ -13,7 +13,16 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from kirigami.elements.shell_bending import AreaFrames, EdgeFrames, area_frames, edge_frames
-from kirigami.elements.shell_geometry import AREA_ROWS, EDGE_OF_POINT, EDGE_ROWS, combine, cross, dot, facet_vectors
+from kirigami.elements.shell_geometry import (
+    AREA_ROWS,
+    EDGE_OF_POINT,
+    EDGE_ROWS,
+    combine,
+    corner_fields,
+    cross,
+    dot,
+    facet_vectors,
+)
 from kirigami.primitives.kernel import Array
 
 if TYPE_CHECKING:
@@ -167,8 +176,8 @@ class Look:
         bend[:9] = np.einsum("ecn,qen->qcn", self.second, heights).reshape(9, n)
         bend[9:] = motion.angles() - turn
         fields = np.empty((n, 3, 6))
-        fields[..., :3] = (self.to_strain @ stretch.T[:, :, None]).reshape(n, 3, 3)
-        fields[..., 3:] = (self.to_curvature @ bend.T[:, :, None]).reshape(n, 3, 3)
+        fields[..., :3] = corner_fields(self.to_strain, stretch)
+        fields[..., 3:] = corner_fields(self.to_curvature, bend)
         return Rates(motion, turn, moving, heights, stretch, bend, fields)
 
 

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from kirigami.elements.loose_ends import warn_of_loose_ends
 from kirigami.elements.seams import cell_border
 from kirigami.elements.shell_bending import EdgeFrames
-from kirigami.elements.shell_geometry import EDGE_OF_POINT, Chart
+from kirigami.elements.shell_geometry import EDGE_OF_POINT, Chart, dot
 from kirigami.elements.shell_images import Images
 from kirigami.elements.smooth_normals import edge_bulges
 from kirigami.errors import ModelError
@@ -42,6 +42,19 @@ def initial_directors(frames: EdgeFrames, edge: Index, stored: Index, count: int
     alone = np.zeros_like(total)  # facets folded flat onto each other have no mean: take one of them
     alone[edge, stored] = frames.normal.transpose(0, 2, 1)
     return np.where(size > 1e-3, total / np.where(size > 0, size, 1.0), alone)
+
+
+def across(directors: Array, frames: EdgeFrames) -> Array:
+    """Directors (6, 3, n) without what lies along the edges."""
+    return directors - dot(directors, frames.tangent)[:, None] * frames.tangent
+
+
+def repeated(rows: Index, seams: Index) -> Index:
+    """Rows of angles (n, 3) with those that repeat others replaced by these: they share their directors."""
+    order = np.argsort(seams[:, 0])
+    known = seams[order]
+    place = np.minimum(np.searchsorted(known[:, 0], rows), len(known) - 1)
+    return np.where(known[place, 0] == rows, known[place, 1], rows)
 
 
 def numbered_edges(numbering: Numbering, triangles: Index, normals: Sequence[Any], folded: Index) -> EdgeRows:

@@ -143,10 +143,6 @@ class YieldingShellKernel(ShellFacetKernel):
         self._facets, self._states = flown.facets[some], flown.state[some]
         super().commit(x)
 
-    def settle(self, x: Array) -> None:
-        self._facets, self._states = self._facets[:0], self._states[:0]
-        super().settle(x)
-
     # ---- law
 
     def flow(self, fields: Array, tangent: bool = True, layers: Layers | None = None) -> Flown:

@@ -28,7 +28,7 @@ def edge_bulges(
     if given.any():
         known = np.array([normal for normal in normals if normal is not None])
         own[given] = known / np.linalg.norm(known, axis=2, keepdims=True)
-    np.add.at(found, edge.ravel(), bulges(*_at_ends(points, triangles, own)))
+    np.add.at(found, edge.ravel(), bulges(*at_edge_ends(points, triangles, own)))
     return np.asarray(found / np.bincount(edge.ravel())[:, None])
 
 
@@ -38,7 +38,7 @@ def edge_bulges_back(
     """Derivatives (k, points, 3) by the points of what has the derivatives `by_bulge` (k, edges, 3) by
     :func:`edge_bulges`, where no normals are given."""
     surface = SmoothSurface(points, triangles, edge, is_fold)
-    ends, normals = _at_ends(points, triangles, surface.normals)
+    ends, normals = at_edge_ends(points, triangles, surface.normals)
     shared = by_bulge / np.bincount(edge.ravel())[:, None]
     onto = sums(triangles.ravel(), len(points))
     found = []
@@ -57,7 +57,7 @@ def sums(places: Index, count: int) -> Any:
     return csr_array((np.ones(len(places)), (places, np.arange(len(places)))), shape=(count, len(places)))
 
 
-def _at_ends(points: Array, triangles: Index, normals: Array) -> tuple[Array, Array]:
+def at_edge_ends(points: Array, triangles: Index, normals: Array) -> tuple[Array, Array]:
     """Places and normals (3 m, 2, 3) at the two ends of every edge of facets."""
     ends = np.stack([points[triangles], points[np.roll(triangles, -1, axis=1)]], axis=2)
     at_ends = np.stack([normals, np.roll(normals, -1, axis=1)], axis=2)

@@ -450,16 +450,11 @@ class System(Unknowns):
                 kernel.commit_at(x, lam)
 
     def go_on_from(self, history: tuple[Array | None, ...], u: Array, lam: float, new_stage: bool) -> None:
-        """Take the history of a step as the present one; kernels that it says nothing of begin at displacements `u`.
-
-        What a stage adds or takes away moves kernels to other places: each takes the first state left that can be its
-        own.
-        """
-        left, x = [value for value in history if value is not None], self.configuration(u)
-        for kernel in self.kernels:
-            place = next((k for k, value in enumerate(left) if kernel.fits(value)), None)
-            kernel.history = None if place is None else left.pop(place)
-            if place is None:
+        """Take the history of a step as the present one; kernels that it says nothing of begin at displacements `u`."""
+        x = self.configuration(u)
+        for kernel, value in zip(self.kernels, self._shared_out(history)):
+            kernel.history = value
+            if value is None:
                 kernel.commit_at(x, lam)
             elif new_stage:
                 kernel.start_stage()
@@ -476,19 +471,24 @@ class System(Unknowns):
 
     @history.setter
     def history(self, values: tuple[Array | None, ...] | None) -> None:
-        given = tuple(values or ())
-        alike = len(given) == len(self.kernels) and all(
-            value is None or kernel.fits(value) for kernel, value in zip(self.kernels, given)
-        )
-        # Of another stage, or another model, with kernels more or less: then what remembers is met in the same order.
-        left = [value for value in given if value is not None]
-        for position, kernel in enumerate(self.kernels):
-            if alike:
-                kernel.history = given[position]
-                continue
-            at = next((number for number, value in enumerate(left) if kernel.fits(value)), None)
-            kernel.history = None if at is None else left[at]
-            left = left if at is None else left[at + 1 :]
+        for kernel, value in zip(self.kernels, self._shared_out(values or ())):
+            kernel.history = value
+
+    def _shared_out(self, history: tuple[Array | None, ...]) -> list[Array | None]:
+        """The state of each kernel among those that a step remembers, None where it says nothing of one.
+
+        What a stage adds or takes away, or another model, moves kernels to other places: then each takes the first
+        state left that can be its own.
+        """
+        if len(history) == len(self.kernels) and all(
+            value is None or kernel.fits(value) for kernel, value in zip(self.kernels, history)
+        ):
+            return list(history)
+        left, found = [value for value in history if value is not None], list[Array | None]()
+        for kernel in self.kernels:
+            place = next((k for k, value in enumerate(left) if kernel.fits(value)), None)
+            found.append(None if place is None else left.pop(place))
+        return found
 
     # ---- supports
 
