@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Iterator
+from itertools import pairwise
 from pathlib import Path
 from types import ModuleType
 
@@ -14,6 +15,7 @@ from shapely import LineString, box
 import kirigami as kg
 from kirigami.analysis.path import events
 from kirigami.analysis.path.descent import CORRECTORS
+from kirigami.analysis.path.stable import StableSteps
 
 
 def slit_sheet(imperfection: float, dim: int = 3) -> kg.Model:
@@ -118,3 +120,25 @@ def test_a_snap_foreseen_is_the_same_snap(monkeypatch: pytest.MonkeyPatch) -> No
         assert one.energy == pytest.approx(other.energy, rel=1e-9)
     np.testing.assert_allclose(foreseen.u, landed.u, atol=1e-9)
     assert foreseen.stats["factorizations"] < landed.stats["factorizations"]
+
+
+def test_what_yields_is_no_snap_foreseen(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The potential of a bar that is pulled beyond yield stays above the least one that was foretold of its path."""
+    met = []
+
+    def accept(steps: StableSteps, *given: object) -> object:
+        point = accepted(steps, *given)  # type: ignore[arg-type]
+        met.append((steps.run, point))
+        return point
+
+    accepted = StableSteps._accept
+    monkeypatch.setattr(StableSteps, "_accept", accept)
+    m = kg.Model(dim=2)
+    nodes = m.add(*(kg.Node(x, 0) for x in range(3)))
+    m.add(kg.Bar(*nodes[:2], EA=1.0, yield_force=0.02), kg.Bar(*nodes[1:], EA=2.0, yield_force=0.05))
+    m.add(kg.Fix(nodes[0]), kg.Fix(nodes[1:], "y"), kg.Prescribe(nodes[2], x=0.2))
+    assert [event.kind for event in kg.DisplacementControl(m).run().events] == ["yield"]
+    for (run, before), (_, after) in pairwise(met):
+        least = events.least_potential(run, before, after.state.lam - before.state.lam)
+        run.system.history = before.history
+        assert least <= sum(run.system.energies(after.state.u, after.state.lam).values())

@@ -161,11 +161,15 @@ def least_potential(run: PathRun, before: Point, increment: float) -> float:
     """Potential one increment on below which a snap was met that is worth bracketing, told without a landing.
 
     The forces at the point before and their slope give the potential of a smooth path to third order. Where the sheet
-    grows stiffer this is too low, so that fewer snaps are told.
+    grows stiffer this is too low, so that fewer snaps are told. What yields or slides grows softer on the way, which no
+    slope at its start tells of: there the forces are only taken not to fall.
     """
-    if not run.system.drive.any():
+    system = run.system
+    if not system.drive.any():
         return -np.inf
-    energy, rate, slope = _potential(run.system, before, increment)
+    energy, rate, slope = _potential(system, before, increment)
+    if any(kernel.path_dependent for kernel in system.kernels):
+        slope = min(slope, 0.0)
     ahead = energy + rate * increment + 0.5 * slope * increment**2
     return ahead - FORESEEN * SNAP * max(abs(energy), abs(ahead))
 
