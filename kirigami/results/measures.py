@@ -1,4 +1,4 @@
-"""Measures of results: height, width, Poisson ratio, curvature, energy shares; each a method of Results."""
+"""Measures of results: height, width, open area, Poisson ratio, curvature, energy shares; each a method of Results."""
 
 from __future__ import annotations
 
@@ -9,7 +9,10 @@ from numpy.typing import ArrayLike
 from kirigami.errors import AnalysisError
 from kirigami.post import curvature as angles
 from kirigami.post import energy, shape
+from kirigami.post.opening import areas
+from kirigami.primitives.checks import require_boolean
 from kirigami.primitives.kernel import Array
+from kirigami.results.cut_edges import bulges, cut_edges
 
 if TYPE_CHECKING:
     from kirigami.geometry.mesh import TriMesh
@@ -111,6 +114,26 @@ def energy_shares(results: Results) -> dict[str, Array]:
     [0.0, 1.0]
     """
     return energy.energy_shares(results.energy)
+
+
+def open_area(results: Results, union: bool = False) -> Array:
+    """Projected area of the cut openings [length^2]; edges of shell facets are the parabolas that they are.
+
+    Parameters
+    ----------
+    union : bool
+        False: each cut by itself, (s, cuts). True: area of their union, (s,).
+
+    Raises
+    ------
+    AnalysisError
+        The model was not made from a mesh.
+    """
+    mesh = _drawn(results, "open_area")
+    union = require_boolean(union, "union", "open_area")
+    edges, position = cut_edges(mesh, results.kernels, len(results.rest)), results.position()
+    loops = [position[:, each.start, :2] for each in edges]
+    return areas(loops, len(position), union, bulges(results, edges))
 
 
 def _points(results: Results, owner: str) -> Array:

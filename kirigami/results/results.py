@@ -10,11 +10,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from kirigami.deferred import deferred
-from kirigami.errors import AnalysisError, ModelError
+from kirigami.errors import ModelError
 from kirigami.primitives.checks import (
     require_array,
     require_axis,
-    require_boolean,
     require_finite,
     require_text,
     require_whole,
@@ -490,30 +489,7 @@ class Results(ModelRecord):
             conn[slice(None) if kernel.members is None else kernel.members] = kernel.conn
         return conn
 
-    # ---- shape
-
-    def open_area(self, union: bool = False) -> Array:
-        """Projected area of the cut openings [length^2]; edges of shell facets are the parabolas that they are.
-
-        Parameters
-        ----------
-        union : bool
-            False: each cut by itself, (s, cuts). True: area of their union, (s,).
-
-        Raises
-        ------
-        AnalysisError
-            The model was not made from a mesh.
-        """
-        from kirigami.post.opening import areas
-        from kirigami.results.cut_edges import bulges, cut_edges
-
-        if self.mesh is None:
-            raise AnalysisError("open_area needs a model made by Model.from_mesh", results=self)
-        union = require_boolean(union, "union", "open_area")
-        edges, position = cut_edges(self.mesh, self.kernels, len(self.rest)), self.position()
-        loops = [position[:, each.start, :2] for each in edges]
-        return areas(loops, len(position), union, bulges(self, edges))
+    # ---- looking
 
     @cached_property
     def error(self) -> ErrorBar:
@@ -531,51 +507,14 @@ class Results(ModelRecord):
 
         return estimated_error(self)
 
-    # ---- looking
-
-    def summary(self) -> str:
-        """What was computed, how it went, and where the time went, as text."""
-        from kirigami.results.doubts import worth
-
-        stats = self.stats
-        unknowns = int(np.count_nonzero(~self.constrained))
-        lines = [f"{self.name or 'model'}: {len(self.rest)} nodes in {self.dim}D, {unknowns} unknowns"]
-        if self.moves:
-            kinetic = self.energy["kinetic"]
-            stored = sum(float(values[-1]) for values in self.energy.values()) - kinetic[-1]
-            lines.append(
-                f"{len(self.steps)} stored moments, time {self.time[0]:.6g} to {self.time[-1]:.6g}, load factor "
-                f"{self.lam[0]:.6g} to {self.lam[-1]:.6g}, kinetic energy at most {kinetic.max():.4g}, "
-                f"{kinetic[-1]:.4g} at the end; energy stored at the end {stored:.4g}"
-            )
-            if "energy_drift" in self.stats:
-                drift = self.stats["energy_drift"]
-                lines.append(f"total energy kept within {drift:.1e} of the largest kinetic energy")
-        elif self.steps:
-            stable = int(np.count_nonzero(self.stable))
-            lines.append(
-                f"{len(self.steps)} stored steps, load factor {self.steps[0].lam:.6g} to {self.steps[-1].lam:.6g}, "
-                f"{stable} stable, largest relative residual {np.nanmax(self.residual):.1e}"
-            )
-        lines.append(
-            f"{stats['iterations']} iterations, {stats['factorizations']} factorizations "
-            f"({stats['backend'] or 'none'}), {stats['cutbacks']} cutbacks, {stats['relaxations']} relaxations"
-        )
-        lines += [f"event: {event}" for event in self.events] + self.shape_words
-        lines += worth(self)
-        seconds = stats["seconds"]
-        total = seconds.get("total", sum(seconds.values()))
-        parts = sorted(((name, value) for name, value in seconds.items() if name != "total"), key=lambda p: -p[1])
-        lines.append(f"{total:.2f} s: " + ", ".join(f"{name} {value:.2f}" for name, value in parts))
-        return "\n".join(lines)
-
     def __repr__(self) -> str:
         span = f", load factor {self.steps[0].lam:.6g} to {self.steps[-1].lam:.6g}" if self.steps else ""
         return f"<Results of {self.name or 'model'}: {len(self.steps)} steps{span}, {len(self.events)} events>"
 
     def _repr_html_(self) -> str:
-        return "<pre>" + self.summary().replace("<", "&lt;") + "</pre>"
+        return f"<pre>{self.summary().replace('<', '&lt;')}</pre>"
 
+    summary = deferred("kirigami.results.summary:summary")
     plot = deferred("kirigami.plot.deformed:plot_results")
     plot_curve = deferred("kirigami.plot.curves:plot_curve")
     plot_stress = deferred("kirigami.results.stress:plot_stress")
@@ -586,6 +525,7 @@ class Results(ModelRecord):
     height = deferred("kirigami.results.measures:height")
     width = deferred("kirigami.results.measures:width")
     moment = deferred("kirigami.results.moments:moment")
+    open_area = deferred("kirigami.results.measures:open_area")
     poisson_ratio = deferred("kirigami.results.measures:poisson_ratio")
     curvature = deferred("kirigami.results.measures:curvature")
     stress = deferred("kirigami.results.stress:sheet_stress")

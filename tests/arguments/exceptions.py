@@ -29,7 +29,8 @@ NOT_CALLED: dict[str, str] = {
     **dict.fromkeys(("*Error", "*Warning"), ERRORS),
     **dict.fromkeys(
         """*Control.make_control ArcLength.make_control *.memorable *.goes_downhill *.chosen_for *.plan *.steer *.stops
-        Results.append Results.evaluate_at Results.forget_model Results.member_* Results.told Results.object_number
+        Results.append Results.evaluate_at Results.forget_model Results.member_* Results.told Results.once
+        Results.object_number
         Results.step_number Results.configuration Results.rows System.joined System.settled System.parted System.c*
         System.displacement System.forces System.imbalance System.l* System.begin System.go_on_from
         System.admissible System.multiply System.matrix System.motion System.small_displacement
