@@ -58,7 +58,7 @@ def main(folder: Path) -> kg.InverseResult:
     reached = np.sort(kg.load(pulled / "results.npz").open_area()[-1])  # a reader may order cuts anew
     off = float(np.abs(reached - OPEN).max() / max(OPEN))
     print("wanted [mm2]:", np.multiply(OPEN, 1e6), " pulled from the drawing [mm2]:", (1e6 * reached).round(1))
-    print(f"the run of the drawing is within {100 * off:.2g} % of it")
+    print(f"the run of the drawing is within {100 * off:.2g} % of the largest opening")
     return found
 
 

@@ -67,7 +67,7 @@ def main(folder: Path) -> kg.InverseResult:
     reached = silhouette(kg.load(pulled / "results.npz"))
     off = float(np.abs(reached - INWARD).max() / max(INWARD))
     print("wanted [mm]:", np.multiply(INWARD, 1e3), " pulled from the drawing [mm]:", (1e3 * reached).round(3))
-    print(f"the run of the drawing is within {100 * off:.2g} % of it")
+    print(f"the run of the drawing is within {100 * off:.2g} % of the largest")
     return found
 
 

@@ -332,7 +332,7 @@ def nothing_crosses(res: kg.Results) -> bool:
 @pytest.mark.parametrize("seed", range(2))
 def test_nothing_crosses_in_random_sheets(seed):
     res, _ = crumpled(seed, nodes=60)
-    assert nothing_crosses(res) and len(res) > 3
+    assert nothing_crosses(res) and any(event.kind == "contact" for event in res.events)
 
 
 @pytest.mark.long
@@ -340,4 +340,4 @@ def test_nothing_crosses_in_random_sheets(seed):
 @pytest.mark.parametrize("seed", range(2, 14))
 def test_nothing_crosses_in_more_random_sheets(seed):
     res, _ = crumpled(seed, 0.6)
-    assert nothing_crosses(res) and len(res) > 3
+    assert nothing_crosses(res) and any(event.kind == "contact" for event in res.events)

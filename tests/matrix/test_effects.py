@@ -42,7 +42,7 @@ SERVED_BY = {
         "Laminate": "has axes of the drawing; validation/test_materials.py",
         "Symmetry": "a plane across an axis: mechanics/test_symmetry.py",
         "AngleLimit": "of a plane: inplane/test_angle_limit.py",
-        "SelfContact": "needs ipctk: test_self_contact.py",
+        "SelfContact": "remembers, and needs ipctk: matrix/test_history.py by stacked of matrix/structures.py",
         "Mass": "acts in motions alone: mechanics/test_masses.py",
         "Normal": "superseded",
     },
@@ -58,6 +58,9 @@ def test_every_object_joins_the_matrix() -> None:
     }  # fmt: skip
     assert public == {*SERVED_BY["effect"], *SERVED_BY["structure"], *SERVED_BY["elsewhere"]}
     assert set(SERVED_BY["effect"].values()) <= set(EFFECTS)  # type: ignore[union-attr]
+    for name, where in SERVED_BY["elsewhere"].items():  # type: ignore[union-attr]
+        file = Path(__file__).parents[1] / where.split()[-1]
+        assert where == "superseded" or f"{name}(" in file.read_text(), where
 
 
 @cache
