@@ -64,8 +64,12 @@ def _turned(a: Array) -> Array:
     return np.stack([a[:, 1], -a[:, 0]], axis=1)
 
 
-def cut_edges(mesh: TriMesh, kernels: Sequence[Kernel], points: int) -> list[CutEdges]:
-    """The edges round every cut of a mesh; `points` is the number of nodes of the model."""
+def cut_edges(results: Results, mesh: TriMesh) -> list[CutEdges]:
+    """The edges round every cut of the mesh of some results, found once for all who ask."""
+    return results.once("cut edges", lambda: _found(mesh, results.kernels, len(results.rest)))
+
+
+def _found(mesh: TriMesh, kernels: Sequence[Kernel], points: int) -> list[CutEdges]:
     ends, rows = np.zeros((0, 2), np.int64), np.full(1, -1)
     for kernel in kernels:
         if kernel.name == "shell":

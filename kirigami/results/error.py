@@ -244,7 +244,7 @@ def _opening(recovery: Recovery, step: Step) -> tuple[Array, float]:
     gradient = np.zeros((len(results.rest) + len(results.inner_rest), results.dim))
     x = np.asarray(results.configuration(step))
     left_out = 0.0
-    for edges in cut_edges(mesh, results.kernels, len(results.rest)):
+    for edges in cut_edges(results, mesh):
         area, rate = edges.area(x)
         if area <= 0:
             continue

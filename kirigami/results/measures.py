@@ -131,7 +131,7 @@ def open_area(results: Results, union: bool = False) -> Array:
     """
     mesh = _drawn(results, "open_area")
     union = require_boolean(union, "union", "open_area")
-    edges, position = cut_edges(mesh, results.kernels, len(results.rest)), results.position()
+    edges, position = cut_edges(results, mesh), results.position()
     loops = [position[:, each.start, :2] for each in edges]
     return areas(loops, len(position), union, bulges(results, edges))
 

@@ -143,7 +143,7 @@ def _energy(results: Results) -> Tell:
 def _open_area(results: Results, which: Any = None) -> Tell:
     if results.mesh is None:
         raise AnalysisError("gradient: open_area needs a model made by Model.from_mesh", results=results)
-    cuts = cut_edges(results.mesh, results.kernels, len(results.rest))
+    cuts = cut_edges(results, results.mesh)
     if which is not None:
         chosen = require_whole_array(which, (None,), name="the cuts", owner="gradient").tolist()
         if not chosen or not all(0 <= number < len(cuts) for number in chosen):
