@@ -73,8 +73,8 @@ place of the exact one, where it is shown to be close, saves nearly one in two o
 from __future__ import annotations
 
 import argparse
-import csv
 import itertools
+import sys
 import time
 import warnings
 from collections.abc import Callable
@@ -87,6 +87,9 @@ from shapely import LineString, Point, box
 
 import kirigami as kg
 from kirigami.analysis.path.walk import Walk
+
+sys.path.insert(0, str(Path(__file__).parent))
+import tables
 
 FACTORIZATIONS, SECONDS = 1500, 300.0  # limits of one run
 STRAIN = 0.2
@@ -254,25 +257,6 @@ def carry(
 KEY = ("sheet", "thickness", "imperfection", "corrector")
 
 
-def read_table() -> list[dict[str, str]]:
-    """Rows done so far."""
-    if not TABLE.exists():
-        return []
-    with TABLE.open(newline="") as file:
-        return list(csv.DictReader(file))
-
-
-def add_row(row: dict[str, str]) -> None:
-    """Append a row; the file is the memory of what is done."""
-    new = not TABLE.exists()
-    TABLE.parent.mkdir(exist_ok=True)
-    with TABLE.open("a", newline="") as file:
-        writer = csv.DictWriter(file, list(row))
-        if new:
-            writer.writeheader()
-        writer.writerow(row)
-
-
 def markdown(rows: list[dict[str, str]]) -> str:
     """The table of what is done, a line for each sheet, thickness and imperfection; then medians and worst cases."""
     found = [name for name in CORRECTORS if any(row["corrector"] == name for row in rows)]
@@ -310,7 +294,7 @@ def main() -> None:
     parser.add_argument("--table", action="store_true", help="print what is done, run nothing")
     wanted = parser.parse_args()
     if not wanted.table:
-        done = {tuple(row[name] for name in KEY) for row in read_table()}
+        done = {tuple(row[name] for name in KEY) for row in tables.read(TABLE)}
         if wanted.thin:
             cases = [(name, t, 1e-3, 0.4) for name, t in THIN if name in wanted.sheet]
         else:
@@ -319,9 +303,9 @@ def main() -> None:
             for sheet, thickness, imperfection, strain in cases:
                 if (sheet, f"{thickness:g}", f"{imperfection:g}", corrector) not in done:
                     row = carry(sheet, corrector, imperfection, thickness, strain)
-                    add_row(row)
+                    tables.add(TABLE, row)
                     print(" ".join(row.values()), flush=True)
-    print(markdown(read_table()))
+    print(markdown(tables.read(TABLE)))
 
 
 if __name__ == "__main__":

@@ -11,7 +11,6 @@ the table.
 
 from __future__ import annotations
 
-import csv
 import sys
 import time
 import warnings
@@ -26,6 +25,7 @@ sys.path.insert(0, str(Path(__file__).parent))
 sys.path.insert(0, str(Path(__file__).parent.parent / "examples"))
 import hidden_designs
 import silhouette
+import tables
 
 TABLE = Path(__file__).parent / "results" / "derivative_free.csv"
 MET = 0.01
@@ -113,19 +113,14 @@ def run(problem, method):
 
 def main():
     warnings.simplefilter("ignore", kg.KirigamiWarning)
-    rows = list(csv.DictReader(TABLE.open(newline=""))) if TABLE.exists() else []
+    rows = tables.read(TABLE)
     done = {(row["problem"], row["search"]) for row in rows}
     for problem in ("ribbon", "silhouette"):
         for method in ALLOWED:
             if (problem, method) in done:
                 continue
             row = run(problem, method)
-            new = not TABLE.exists()
-            with TABLE.open("a", newline="") as file:
-                writer = csv.DictWriter(file, row)
-                if new:
-                    writer.writeheader()
-                writer.writerow(row)
+            tables.add(TABLE, row)
             rows.append(row)
     for row in rows:
         print(*row.values(), sep=", ")

@@ -18,7 +18,6 @@ interrupted and goes on where it was. Where the shapes of an overdamped run are 
 from __future__ import annotations
 
 import argparse
-import csv
 import sys
 import time
 import warnings
@@ -33,6 +32,7 @@ import kirigami as kg
 sys.path.insert(0, str(Path(__file__).parent))
 import correctors
 import landing
+import tables
 
 POINTS = (0.25, 0.5, 0.75, 1.0)  # shares of the pull
 SEEDS = (0, 1, 2)
@@ -95,25 +95,6 @@ def apart(sheet: str, seed: int, run: str) -> list[float]:
     return [float(np.linalg.norm(a - b)) / (float(np.linalg.norm(b[:, 2])) or 1.0) for a, b in zip(one, two)]
 
 
-def read_table() -> list[dict[str, str]]:
-    """Rows done so far."""
-    if not TABLE.exists():
-        return []
-    with TABLE.open(newline="") as file:
-        return list(csv.DictReader(file))
-
-
-def add_row(row: dict[str, str]) -> None:
-    """Append a row; the file is the memory of what is done."""
-    new = not TABLE.exists()
-    TABLE.parent.mkdir(exist_ok=True)
-    with TABLE.open("a", newline="") as file:
-        writer = csv.DictWriter(file, list(row))
-        if new:
-            writer.writeheader()
-        writer.writerow(row)
-
-
 def markdown(rows: list[dict[str, str]]) -> str:
     """For each sheet, how many of the shapes at or after a snap differ from the overdamped ones."""
     done = {(row["sheet"], int(row["seed"]), row["run"]): row for row in rows}
@@ -160,15 +141,15 @@ def main() -> None:
     parser.add_argument("--run", nargs="+", choices=list(RUNS), default=list(RUNS))
     parser.add_argument("--table", action="store_true", help="print what is done, run nothing")
     wanted = parser.parse_args()
-    done = {(row["sheet"], int(row["seed"]), row["run"]) for row in read_table()}
+    done = {(row["sheet"], int(row["seed"]), row["run"]) for row in tables.read(TABLE)}
     for seed in () if wanted.table else wanted.seed:
         for sheet in wanted.sheet:
             for run in wanted.run:
                 if (sheet, seed, run) not in done:
                     row = pull(sheet, seed, run)
-                    add_row(row)
+                    tables.add(TABLE, row)
                     print(" ".join(row.values()), flush=True)
-    print(markdown(read_table()))
+    print(markdown(tables.read(TABLE)))
 
 
 if __name__ == "__main__":

@@ -21,7 +21,6 @@ where it was; the table needs the rows alone.
 from __future__ import annotations
 
 import argparse
-import csv
 import sys
 import time
 import warnings
@@ -39,6 +38,7 @@ from kirigami.analysis.path import methods, slow, stable
 
 sys.path.insert(0, str(Path(__file__).parent))
 import correctors
+import tables
 
 POINTS = (0.25, 0.5, 1.0)  # shares of the pull
 SAME = 0.02  # distance of two shapes, over the norm of the deflection, below which they count as the same
@@ -142,25 +142,6 @@ def distance(row: dict[str, str], point: float) -> tuple[float, bool] | None:
     return float(told[0]), len(told) > 1
 
 
-def read_table() -> list[dict[str, str]]:
-    """Rows done so far."""
-    if not TABLE.exists():
-        return []
-    with TABLE.open(newline="") as file:
-        return list(csv.DictReader(file))
-
-
-def add_row(row: dict[str, str]) -> None:
-    """Append a row; the file is the memory of what is done."""
-    new = not TABLE.exists()
-    TABLE.parent.mkdir(exist_ok=True)
-    with TABLE.open("a", newline="") as file:
-        writer = csv.DictWriter(file, list(row))
-        if new:
-            writer.writeheader()
-        writer.writerow(row)
-
-
 def settled(sheet: str, done: dict[tuple[str, str], dict[str, str]]) -> list[bool] | None:
     """At which load factors the slow pull does not depend on its own speed and steps; None where not all are done."""
     variants = [run for run in RUNS if run.startswith("slow,")]
@@ -233,14 +214,14 @@ def main() -> None:
     parser.add_argument("--run", nargs="+", choices=list(RUNS), default=list(RUNS))
     parser.add_argument("--table", action="store_true", help="print what is done, run nothing")
     wanted = parser.parse_args()
-    done = {(row["sheet"], row["run"]) for row in read_table()}
+    done = {(row["sheet"], row["run"]) for row in tables.read(TABLE)}
     for sheet in () if wanted.table else wanted.sheet:
         for run in wanted.run:
             if (sheet, run) not in done:
                 row: dict[str, Any] = pull(sheet, run)
-                add_row(row)
+                tables.add(TABLE, row)
                 print(" ".join(row.values()), flush=True)
-    print(markdown(read_table()))
+    print(markdown(tables.read(TABLE)))
 
 
 if __name__ == "__main__":

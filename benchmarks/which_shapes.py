@@ -36,7 +36,10 @@ from kirigami.cli.demo import GRIP, PULL, demo_sheet
 from kirigami.study.grips import find_grips
 from kirigami.study.stretch import default_mesh
 
+sys.path.insert(0, str(Path(__file__).parent))
 sys.path.insert(0, str(Path(__file__).parents[1] / "examples"))
+import tables
+
 MYLAR = kg.Material(E=3.5e9, nu=0.34)
 BUDGET = 1200.0  # CPU seconds of a sheet, so that all trials are run
 NODES = 800  # of the sheets whose mesh nobody has fixed
@@ -130,14 +133,6 @@ def _cell(value: object) -> str:
     return f"{value:.6g}" if isinstance(value, float) else str(value)
 
 
-def read_table() -> list[dict[str, str]]:
-    """Rows done so far."""
-    if not TABLE.exists():
-        return []
-    with TABLE.open(newline="", encoding="utf-8") as file:
-        return list(csv.DictReader(file))
-
-
 def markdown(rows: list[dict[str, str]]) -> str:
     """The tables."""
     lines = []
@@ -171,11 +166,11 @@ def main() -> None:
     parser.add_argument("--workers", type=int, help="processes for the trials")
     wanted = parser.parse_args()
     for name in () if wanted.table else wanted.sheet:
-        if wanted.pictures is None and any(row["sheet"] == name for row in read_table()):
+        if wanted.pictures is None and any(row["sheet"] == name for row in tables.read(TABLE)):
             continue
         found = study(name, wanted.workers)
         print(f"{name}\n{found}", flush=True)
-        rows = [row for row in read_table() if row["sheet"] != name] + rows_of(name, found)
+        rows = [row for row in tables.read(TABLE) if row["sheet"] != name] + rows_of(name, found)
         with TABLE.open("w", newline="", encoding="utf-8") as file:
             writer = csv.DictWriter(file, list(rows[-1]), restval="", extrasaction="ignore")
             writer.writeheader()
@@ -183,7 +178,7 @@ def main() -> None:
         if wanted.pictures is not None:
             wanted.pictures.mkdir(parents=True, exist_ok=True)
             found.plot().savefig(wanted.pictures / f"{name}.png", dpi=130)
-    print(markdown(read_table()))
+    print(markdown(tables.read(TABLE)))
 
 
 if __name__ == "__main__":
