@@ -6,14 +6,9 @@ import math
 
 import numpy as np
 
-try:
-    from numba import njit
+from kirigami.primitives.compiling import compiler
 
-    compiled = njit(cache=True, error_model="numpy")
-except ImportError:  # plain Python then, which nobody calls: too slow
-
-    def compiled(function):  # type: ignore[no-untyped-def]
-        return function
+compiled = compiler()
 
 
 @compiled

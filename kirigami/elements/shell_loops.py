@@ -11,16 +11,9 @@ import math
 import numpy as np
 
 from kirigami.elements.shell_geometry import AREA_ROWS, EDGE_ROWS
+from kirigami.primitives.compiling import compiler
 
-try:
-    from numba import njit
-
-    compiled = njit(cache=True, error_model="numpy", nogil=True)
-except ImportError:  # plain Python then, which nobody calls: too slow
-
-    def compiled(function):  # type: ignore[no-untyped-def]
-        return function
-
+compiled = compiler(nogil=True)
 
 ALONG, INWARD = np.ascontiguousarray(EDGE_ROWS[0]), np.ascontiguousarray(EDGE_ROWS[1])
 FIRST, SECOND = np.ascontiguousarray(AREA_ROWS[0]), np.ascontiguousarray(AREA_ROWS[1])

@@ -9,15 +9,10 @@ from __future__ import annotations
 
 import numpy as np
 
-try:
-    from numba import njit
+from kirigami.primitives.compiling import compiler
 
-    # sums may be taken in any order, so that the processor's vector units work on them; the order is always the same
-    compiled = njit(cache=True, error_model="numpy", nogil=True, fastmath={"reassoc", "contract"})
-except ImportError:  # plain Python then, which nobody calls: too slow
-
-    def compiled(function):  # type: ignore[no-untyped-def]
-        return function
+# sums may be taken in any order, so that the processor's vector units work on them; the order is always the same
+compiled = compiler(nogil=True, fastmath={"reassoc", "contract"})
 
 
 @compiled

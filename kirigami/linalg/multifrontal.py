@@ -37,8 +37,8 @@ from kirigami.linalg.solve_plan import COMPILED, SolvePlan
 from kirigami.linalg.subtrees import shares
 from kirigami.linalg.superlu import SuperLUFactor
 from kirigami.linalg.threads import LARGE, one_thread, threads_for
+from kirigami.primitives.compiling import compiles
 from kirigami.primitives.kernel import Array
-from kirigami.primitives.processors import compiles
 
 AMPLIFIED = 1e4  # displacements of a front per displacement of its border that are no lever any more
 

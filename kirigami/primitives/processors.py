@@ -1,8 +1,7 @@
-"""How many processors a computation may use, and whether by compiled loops."""
+"""How many processors a computation may use."""
 
 from __future__ import annotations
 
-import importlib.util
 import os
 
 LIMITS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS")  # what users and queues set, and parallel sweeps for their workers
@@ -13,8 +12,3 @@ def processors() -> int:
     here = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
     told = [int(value) for value in map(os.environ.get, LIMITS) if value and value.isdigit() and int(value) > 0]
     return min([here, *told])
-
-
-def compiles() -> bool:
-    """Whether loops are compiled: Numba is installed, and the environment variable KIRIGAMI_COMPILED is not 0."""
-    return os.environ.get("KIRIGAMI_COMPILED") != "0" and importlib.util.find_spec("numba") is not None

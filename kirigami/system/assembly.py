@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from kirigami.primitives.compiling import compiles
 from kirigami.primitives.kernel import Array, CompiledKernel, Kernel
-from kirigami.primitives.processors import compiles
 
 if TYPE_CHECKING:
     from kirigami.system.grips import Grips
