@@ -19,7 +19,7 @@ from shapely.geometry.base import BaseGeometry
 from kirigami.errors import GeometryError, KirigamiWarning
 from kirigami.geometry.noding import node_lines
 from kirigami.geometry.repairs import OUTLINE, Repairs, names_of
-from kirigami.geometry.topology import pair_numbers, paired_half_edges, regions
+from kirigami.geometry.topology import pair_numbers, paired_half_edges, regions, signed_areas
 from kirigami.geometry.triangulate import Triangulation, chosen_mesher, triangulate
 
 Integers = NDArray[np.int64]
@@ -264,8 +264,7 @@ class _Hull:
         made = triangulate(Triangulation(points, none, pairs, np.zeros(len(pairs), np.int64)), mesher)
         self.points, self.triangles, self.pairs = made.points, made.triangles, pairs
         self.corners = self.points[self.triangles]
-        one, two = self.corners[:, 1] - self.corners[:, 0], self.corners[:, 2] - self.corners[:, 0]
-        self.areas = 0.5 * np.abs(one[:, 0] * two[:, 1] - one[:, 1] * two[:, 0])
+        self.areas = np.abs(signed_areas(self.points, self.triangles))
         first, second = paired_half_edges(self.triangles)
         start, end = self.triangles.ravel()[first], self.triangles[:, [1, 2, 0]].ravel()[first]
         edge = pair_numbers(pairs, np.column_stack([start, end]), len(self.points))

@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kirigami.errors import GeometryError
-from kirigami.geometry.topology import paired_half_edges
+from kirigami.geometry.topology import pair_keys, paired_half_edges
 
 Integers = NDArray[np.int64]
 Floats = NDArray[np.float64]
@@ -85,14 +85,13 @@ def _by_qhull(points: Floats) -> Integers | None:
     corners = points[triangles]
     one, two = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
     left, right = one[:, 0] * two[:, 1], one[:, 1] * two[:, 0]
-    surely = np.abs(left - right) > 4.0 * TURN_BOUND * (np.abs(left) + np.abs(right))
+    turns = left - right
+    surely = np.abs(turns) > 4.0 * TURN_BOUND * (np.abs(left) + np.abs(right))
     for triangle in np.flatnonzero(~surely).tolist():
-        if turn(*corners[triangle].tolist()) == 0:
-            return None
-    clockwise = left < right
-    for triangle in np.flatnonzero(~surely).tolist():
-        clockwise[triangle] = turn(*corners[triangle].tolist()) < 0
-    triangles[clockwise] = triangles[clockwise][:, ::-1]
+        turns[triangle] = turn(*corners[triangle].tolist())
+    if not turns.all():
+        return None
+    triangles[turns < 0] = triangles[turns < 0][:, ::-1]
     # A surface of positive triangles with the square as its only rim covers the square once.
     used = len(np.unique(triangles))
     if len(triangles) != 2 * used - 6:
@@ -109,10 +108,9 @@ def _by_qhull(points: Floats) -> Integers | None:
 
 def _holds(triangles: Integers, segments: Integers, count: int) -> bool:
     """Whether all points are corners of triangles and all segments edges."""
-    start, end = triangles.ravel(), triangles[:, [1, 2, 0]].ravel()
-    edges = np.minimum(start, end) * count + np.maximum(start, end)
-    keys = segments.min(axis=1) * count + segments.max(axis=1)
-    return len(np.unique(triangles)) == count and bool(np.isin(keys, edges).all())
+    edges = np.column_stack([triangles.ravel(), triangles[:, [1, 2, 0]].ravel()])
+    there = np.isin(pair_keys(segments, count), pair_keys(edges, count))
+    return len(np.unique(triangles)) == count and bool(there.all())
 
 
 def turn(a: Point, b: Point, c: Point) -> float:

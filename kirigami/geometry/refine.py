@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from kirigami.errors import GeometryError
 from kirigami.geometry.clean import LineWork
-from kirigami.geometry.topology import boundary_pairs
+from kirigami.geometry.topology import boundary_pairs, signed_areas
 from kirigami.geometry.triangulate import Triangulation, carve, triangulate
 
 Integers = NDArray[np.int64]
@@ -327,13 +327,6 @@ def _circumcentres(corners: Floats) -> Floats:
     x = two[:, 1] * squares[0] - one[:, 1] * squares[1]
     y = one[:, 0] * squares[1] - two[:, 0] * squares[0]
     return origin + np.column_stack([x, y]) / (2.0 * double_area)[:, None]
-
-
-def signed_areas(points: Floats, triangles: Integers) -> Floats:
-    """Area of each triangle, positive if it is counter-clockwise."""
-    corners = points[triangles]
-    one, two = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
-    return 0.5 * (one[:, 0] * two[:, 1] - one[:, 1] * two[:, 0])
 
 
 def _quality(points: Floats, triangles: Integers) -> tuple[Floats, Floats]:

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kirigami.geometry.delaunay import constrained
-from kirigami.geometry.topology import pair_numbers, paired_half_edges, within
+from kirigami.geometry.topology import pair_numbers, paired_half_edges, signed_areas, within
 
 Integers = NDArray[np.int64]
 Floats = NDArray[np.float64]
@@ -79,7 +79,7 @@ def refine(
     work = Work(points, segments.copy(), is_rim, np.arange(len(segments)), on, triangles)
     first = segments.copy()
     sharp = _sharp_ends(points, segments)
-    large = np.zeros(len(triangles), bool) if max_areas is None else _areas(points, triangles) > max_areas
+    large = np.zeros(len(triangles), bool) if max_areas is None else signed_areas(points, triangles) > max_areas
     begun = len(points)
     for _ in range(ROUNDS):
         room = most - (len(work.points) - begun)
@@ -132,19 +132,13 @@ def _in_lens(points: Floats, starts: Floats, ends: Floats, min_angle: float) -> 
     return np.asarray((dot < 0.0) & (dot * dot > wide * wide * sizes))
 
 
-def _areas(points: Floats, triangles: Integers) -> Floats:
-    corners = points[triangles]
-    one, two = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
-    return np.asarray(0.5 * (one[:, 0] * two[:, 1] - one[:, 1] * two[:, 0]))
-
-
 def _poor(work: Work, first: Integers, min_angle: float, large: NDArray[np.bool_]) -> Integers:
     """Triangles to refine, those with the smallest angle first; angles that the drawing itself makes are left."""
     corners = work.points[work.triangles]
     sides = corners[:, [2, 0, 1]] - corners[:, [1, 2, 0]]  # opposite each corner
     lengths = np.linalg.norm(sides, axis=2)
     shortest = np.argmin(lengths, axis=1)
-    twice = 2.0 * _areas(work.points, work.triangles)
+    twice = 2.0 * signed_areas(work.points, work.triangles)
     sine = twice * np.take_along_axis(lengths, shortest[:, None], 1)[:, 0] / lengths.prod(axis=1)
     small = sine < np.sin(np.radians(min_angle))
     for number in np.flatnonzero(small).tolist():

@@ -17,10 +17,10 @@ from kirigami.geometry.clean import LineWork, clean
 from kirigami.geometry.fold_line import Fold, FoldEdges
 from kirigami.geometry.given import checked_line_or_polygon, checked_outline, flattened, folds_of, named_lines
 from kirigami.geometry.mesh import TriMesh
-from kirigami.geometry.refine import LONGEST, signed_areas, triangulate_drawing
+from kirigami.geometry.refine import LONGEST, triangulate_drawing
 from kirigami.geometry.regions import checked_regions, region_borders, region_facets
 from kirigami.geometry.sizing import NODES, Sizing, mesh_within, warn_of_coarse
-from kirigami.geometry.topology import pair_keys
+from kirigami.geometry.topology import pair_keys, signed_areas
 from kirigami.geometry.triangulate import Triangulation
 from kirigami.geometry.unzip import find_cuts, unzip
 from kirigami.primitives.checks import (

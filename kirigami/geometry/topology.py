@@ -32,6 +32,13 @@ def pair_numbers(pairs: Integers, among: Integers, count: int) -> Integers:
     return numbers
 
 
+def signed_areas(points: Floats, triangles: Integers) -> Floats:
+    """Area of each triangle in the plane, positive if it is counter-clockwise."""
+    corners = points[triangles]
+    one, two = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
+    return np.asarray(0.5 * (one[:, 0] * two[:, 1] - one[:, 1] * two[:, 0]))
+
+
 def paired_half_edges(triangles: Integers) -> tuple[Integers, Integers]:
     """First and second (or -1) half-edge of each edge; of two, the first starts at the smaller node."""
     start, end = triangles.ravel(), triangles[:, [1, 2, 0]].ravel()
