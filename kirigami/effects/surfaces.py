@@ -11,17 +11,11 @@ from numpy.typing import ArrayLike
 from kirigami.errors import ModelError
 from kirigami.primitives.checks import require_array, require_finite, require_instance, require_positive
 from kirigami.primitives.kernel import Array
-from kirigami.primitives.node import direction_of
-
-
-def _vector(value: ArrayLike, name: str, owner: str) -> tuple[float, float, float]:
-    vector = require_array(value, (2,), (3,), name=name, owner=owner)
-    x, y, z = np.append(vector, 0.0)[:3].tolist()
-    return x, y, z
+from kirigami.primitives.node import direction_of, vector_of
 
 
 def _direction(value: ArrayLike, name: str, owner: str) -> tuple[float, float, float]:
-    vector = np.array(_vector(value, name, owner))
+    vector = np.array(vector_of(value, name, owner))
     length = float(np.linalg.norm(vector))
     if length == 0:
         raise ModelError(f"{owner}: {name} must not be zero")
@@ -55,7 +49,7 @@ class Plane:
     normal: tuple[float, float, float]
 
     def __init__(self, point: ArrayLike = (0, 0, 0), normal: ArrayLike = (0, 0, 1)) -> None:
-        object.__setattr__(self, "point", _vector(point, "point", "Plane"))
+        object.__setattr__(self, "point", vector_of(point, "point", "Plane"))
         object.__setattr__(self, "normal", _direction(normal, "normal", "Plane"))
 
 
@@ -88,7 +82,7 @@ class Cylinder:
     radius: float
 
     def __init__(self, point: ArrayLike, axis: ArrayLike, radius: float) -> None:
-        object.__setattr__(self, "point", _vector(point, "point", "Cylinder"))
+        object.__setattr__(self, "point", vector_of(point, "point", "Cylinder"))
         object.__setattr__(self, "axis", _direction(axis, "axis", "Cylinder"))
         object.__setattr__(self, "radius", require_positive(radius, "radius", "Cylinder"))
 
@@ -119,7 +113,7 @@ class Sphere:
     radius: float
 
     def __init__(self, center: ArrayLike, radius: float) -> None:
-        object.__setattr__(self, "center", _vector(center, "center", "Sphere"))
+        object.__setattr__(self, "center", vector_of(center, "center", "Sphere"))
         object.__setattr__(self, "radius", require_positive(radius, "radius", "Sphere"))
 
 
@@ -199,8 +193,7 @@ class Moving:
         put(self, "at", None if factors is None else tuple(factors.tolist()))
         put(self, "axis", tuple(direction_of(axis, "Moving").tolist()))
         own = surface.center if isinstance(surface, Sphere) else surface.point
-        centre = np.array(own) if about is None else require_array(about, (2,), (3,), name="about", owner="Moving")
-        put(self, "about", tuple(_three(centre).tolist()))
+        put(self, "about", own if about is None else vector_of(about, "about", "Moving"))
         put(self, "reached", None)
         if not np.any(self.shift) and not any(self.angle):
             raise ModelError(f"Moving: {surface} does not move: give a shift or an angle, or the surface itself")

@@ -10,9 +10,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from kirigami.errors import ModelError
-from kirigami.primitives.checks import require_array, require_boolean, require_finite
+from kirigami.primitives.checks import require_boolean, require_finite
 from kirigami.primitives.kernel import Array, Contribution, Kernel, displacement_of
-from kirigami.primitives.node import Node, listed
+from kirigami.primitives.node import Node, listed, vector_of
 from kirigami.primitives.parts import ModelObject, Numbering
 
 
@@ -53,9 +53,8 @@ class NodalLoad(Load):
     constant: bool
 
     def __init__(self, nodes: Node | Iterable[Node], force: ArrayLike, constant: bool = False) -> None:
-        vector = require_array(force, (2,), (3,), name="force", owner="NodalLoad")
         object.__setattr__(self, "group", listed(nodes, "NodalLoad", once=True))
-        object.__setattr__(self, "force", tuple(np.append(vector, 0.0)[:3].tolist()))
+        object.__setattr__(self, "force", vector_of(force, "force", "NodalLoad"))
         object.__setattr__(self, "constant", require_boolean(constant, "constant", "NodalLoad"))
 
     @property

@@ -17,7 +17,7 @@ from __future__ import annotations
 import warnings
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -222,12 +222,13 @@ def _area_tensor(k: int) -> Array:
 class _Follower(LoadKernel):
     """What the two kernels of a pressure share."""
 
+    corners: ClassVar[int]  # of a member; the rows behind them are those of bulges
+
     def __init__(self, rest: Array, conn: Index, p: float, origin: Array, constant: bool = False) -> None:
         super().__init__(constant)
         self.rest, self.conn, self.p, self.origin = rest, conn, float(p), origin
-        corners = 2 if conn.shape[1] in (2, 4) or isinstance(self, RimPressureKernel) else 3
         self._start = rest[conn].copy()
-        self._start[:, :corners] -= origin
+        self._start[:, : self.corners] -= origin
 
     def arrays(self) -> dict[str, Any]:
         return {name: getattr(self, name) for name in ("conn", "p", "origin", "constant")}
@@ -241,6 +242,7 @@ class PressureKernel(_Follower):
     """The part of a pressure with the potential -p V, by facets. Rows: corners, then bulges of edges 01, 12, 20."""
 
     name = "pressure"
+    corners = 3
 
     def __init__(self, rest: Array, conn: Index, p: float, origin: Array, constant: bool = False) -> None:
         super().__init__(rest, conn, p, origin, constant)
@@ -273,6 +275,7 @@ class RimPressureKernel(_Follower):
     """
 
     name = "pressure at the rim"
+    corners = 2
 
     def __init__(
         self, rest: Array, conn: Index, p: float, origin: Array, constant: bool = False, free: bool = True

@@ -20,9 +20,9 @@ from kirigami.elements.shell_facet import ShellFacet
 from kirigami.errors import ModelError
 from kirigami.geometry.topology import pair_numbers, paired_half_edges
 from kirigami.model.loads import Load, NodalLoadKernel
-from kirigami.primitives.checks import require_array, require_boolean, require_finite, require_whole_array, shown
+from kirigami.primitives.checks import require_boolean, require_finite, require_whole_array, shown
 from kirigami.primitives.kernel import Array, Kernel
-from kirigami.primitives.node import Node, listed
+from kirigami.primitives.node import Node, listed, vector_of
 from kirigami.primitives.parts import Numbering
 
 Index = NDArray[np.int64]
@@ -164,12 +164,6 @@ class SpreadLoad(Load):
         return f"{type(self).__name__}({what}({x:g}, {y:g}, {z:g}){constant})"
 
 
-def _vector(value: ArrayLike, name: str, owner: str) -> tuple[float, float, float]:
-    vector = require_array(value, (2,), (3,), name=name, owner=owner)
-    x, y, z = np.append(vector, 0.0)[:3].tolist()
-    return x, y, z
-
-
 def _facets(value: Any, owner: str) -> Index | str | None:
     if value is None or isinstance(value, str):
         return value
@@ -211,7 +205,7 @@ class EdgeLoad(SpreadLoad):
 
     def __init__(self, nodes: Iterable[Node], force: ArrayLike, constant: bool = False) -> None:
         object.__setattr__(self, "group", listed(nodes, "EdgeLoad", once=True))
-        object.__setattr__(self, "force", _vector(force, "force", "EdgeLoad"))
+        object.__setattr__(self, "force", vector_of(force, "force", "EdgeLoad"))
         object.__setattr__(self, "constant", require_boolean(constant, "constant", "EdgeLoad"))
 
     @property
@@ -262,7 +256,7 @@ class AreaLoad(SpreadLoad):
     facets: Index | str | None
 
     def __init__(self, force: ArrayLike, facets: str | ArrayLike | None = None, constant: bool = False) -> None:
-        object.__setattr__(self, "force", _vector(force, "force", "AreaLoad"))
+        object.__setattr__(self, "force", vector_of(force, "force", "AreaLoad"))
         object.__setattr__(self, "facets", _facets(facets, "AreaLoad"))
         object.__setattr__(self, "constant", require_boolean(constant, "constant", "AreaLoad"))
 
@@ -318,7 +312,7 @@ class Gravity(SpreadLoad):
     def __init__(
         self, g: ArrayLike = (0, 0, -9.81), facets: str | ArrayLike | None = None, constant: bool = False
     ) -> None:
-        object.__setattr__(self, "force", _vector(g, "g", "Gravity"))
+        object.__setattr__(self, "force", vector_of(g, "g", "Gravity"))
         object.__setattr__(self, "facets", _facets(facets, "Gravity"))
         object.__setattr__(self, "constant", require_boolean(constant, "constant", "Gravity"))
 

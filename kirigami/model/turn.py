@@ -10,9 +10,9 @@ from numpy.typing import ArrayLike
 
 from kirigami.errors import ModelError
 from kirigami.model.constraints import Constraint
-from kirigami.primitives.checks import require_array, require_boolean, require_finite
+from kirigami.primitives.checks import require_boolean, require_finite
 from kirigami.primitives.kernel import Array
-from kirigami.primitives.node import AXES, Node, direction_of, listed
+from kirigami.primitives.node import AXES, Node, direction_of, listed, vector_of
 
 MOST = 36000.0  # degrees
 
@@ -77,9 +77,8 @@ class Turn(Constraint):
             raise ModelError(f"Turn: an angle of {angle:.6g} degrees is more than {MOST / 360:g} turns")
         along = direction_of(axis, "Turn")
         points = np.array([(node.x, node.y, node.z) for node in group])
-        centre = points.mean(axis=0) if about is None else require_array(about, (2,), (3,), name="about", owner="Turn")
-        moved = require_array(shift, (2,), (3,), name="shift", owner="Turn")
-        centre, moved = (np.append(vector, 0.0)[:3] for vector in (centre, moved))
+        centre = points.mean(axis=0) if about is None else np.array(vector_of(about, "about", "Turn"))
+        moved = np.array(vector_of(shift, "shift", "Turn"))
         parts = {"about": centre, "angle": angle, "axis": along, "shift": moved}
         for name, value in parts.items():
             object.__setattr__(self, name, value)

@@ -99,6 +99,12 @@ def listed(nodes: Node | Iterable[Node], owner: str, once: bool = False) -> tupl
     return group
 
 
+def vector_of(value: ArrayLike, name: str, owner: str) -> tuple[float, float, float]:
+    """A vector of two or three numbers in space."""
+    x, y, z = np.append(require_array(value, (2,), (3,), name=name, owner=owner), 0.0)[:3].tolist()
+    return x, y, z
+
+
 def direction_of(axis: str | ArrayLike, owner: str) -> NDArray[np.float64]:
     """Unit vector (3,) of an axis: its letter, or a direction of any length."""
     if isinstance(axis, str):

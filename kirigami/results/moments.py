@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 from kirigami.elements.clamp_hinge import HeldEdgeKernel
 from kirigami.elements.shell_kernel import ShellFacetKernel
 from kirigami.errors import ModelError
-from kirigami.primitives.checks import require_array
 from kirigami.primitives.kernel import Array, Kernel
+from kirigami.primitives.node import vector_of
 from kirigami.primitives.rotation import turned
 from kirigami.results.supports import carried_by
 
@@ -54,10 +54,7 @@ def moment(results: Results, nodes: Nodes, about: Sequence[float] | Array | None
     [0.0, 0.0, -1.0]
     """
     group = results.node_index(nodes)
-    point = None
-    if about is not None:
-        given = require_array(about, (2,), (3,), name="about", owner="moment")
-        point = np.append(given, 0.0)[:3]
+    point = None if about is None else np.array(vector_of(about, "about", "moment"))
     carried = carried_by(group, results.supports, len(results.rest))
     inside = np.isin(np.arange(len(results.rest)), group)
     forces = np.where(carried, results._gradients, 0.0)
