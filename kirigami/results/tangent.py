@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from kirigami.linalg import factorize
+from kirigami.linalg import make_solver
 from kirigami.primitives.kernel import Array, full_hessian
 from kirigami.primitives.node import AXES
 from kirigami.results.results import Results
@@ -46,7 +46,8 @@ class StoredTangent:
         kept = (row >= 0) & (column >= 0)
         self.free = int(self.unknown.max(initial=-1)) + 1
         matrix = coo_matrix((np.concatenate(values)[kept], (row[kept], column[kept])), shape=(self.free, self.free))
-        self.factor = factorize(matrix.tocsc())
+        solver = results.once("solver", make_solver)  # which dissects the pattern that all steps share but once
+        self.factor = solver.factorize(matrix.tocsc())
 
     def solve(self, load: Array) -> Array:
         """Displacements (rows, dim) under forces (rows, dim) with the supports at rest."""
