@@ -46,6 +46,7 @@ NOT_CALLED: dict[str, str] = {
     "post.opening.areas": "of loops that open_area has checked",
     "stiffness.rung_named": "a check itself",
     "post.curvature.angle_rows": "a piece of curvature, called by it alone",
+    "post.curvature.CurvatureFit*": "a piece of curvature and of the state of a sheet, which give it checked meshes",
     "post.shape.principal_values": "a piece of other measures, called by them alone",
     "study.compare": "the job behind `kirigami stretch --compare`, whose arguments are tested there",
     "study.Job.run": "the job behind `kirigami stretch`, whose arguments are tested there",
