@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from kirigami.errors import KirigamiWarning
 from kirigami.primitives.kernel import Array
+from kirigami.primitives.node import place_in_words
 
 
 def warn_of_loose_ends(
@@ -20,11 +21,9 @@ def warn_of_loose_ends(
     loose = np.setdiff1d(np.flatnonzero(degree == 1), rim)
     if not loose.size:
         return
-    place = nodes[loose[0]]
-    place = place[:2] if not place[2:].any() else place
     warnings.warn(
         f"{owner}: {loose.size} end(s) of folds lie inside the sheet, the first at "
-        f"({', '.join(f'{c:.6g}' for c in place)}): there curvature is the mesh's and grows with every finer one; lead "
+        f"{place_in_words(nodes[loose[0]])}: there curvature is the mesh's and grows with every finer one; lead "
         "the fold to a rim, a cut or another fold, if that is how it is made",
         KirigamiWarning,
         stacklevel=stacklevel,

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from kirigami.errors import KirigamiWarning, ModelError
 from kirigami.primitives.kernel import Array
+from kirigami.primitives.node import place_in_words
 from kirigami.primitives.parts import Numbering
 
 DEGENERATE = 1e-10  # least height of a facet over its longest edge
@@ -82,10 +83,9 @@ def warn_of_jumps(owner: str, corners: NDArray[np.int64], thickness: Array, rest
     worst = int(np.argmax(ratio))
     if ratio[worst] > JUMP:
         first, second = one[worst], other[worst]
-        place = rest[corners[first]].mean(axis=0)
-        place = place[:2] if not place[2:].any() else place
+        place = place_in_words(rest[corners[first]].mean(axis=0))
         warnings.warn(
-            f"{owner}: the thickness jumps at ({', '.join(f'{c:.6g}' for c in place)}) from {thickness[first]:.4g} to "
+            f"{owner}: the thickness jumps at {place} from {thickness[first]:.4g} to "
             f"{thickness[second]:.4g}, by a factor of {ratio[worst]:.4g}: is that a unit of length? A part so much "
             "thicker is rigid beside the other, and digits are lost",
             KirigamiWarning,
@@ -132,7 +132,6 @@ class SurfaceStrain:
         second = 0.0 if linear else 0.5 * change
         stretch = ((self.edges + second) * change).sum(axis=2) / self.square
         return np.asarray(np.einsum("nac,nc->na", self._to_strain, stretch))
-
 
     def add_rate(self, u: Array, by_strain: Array, total: Array) -> None:
         """Add to `total` (rows, 3) the derivatives by displacements of a number, from those by strain (m, 3)."""

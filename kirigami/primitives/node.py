@@ -117,6 +117,12 @@ def direction_of(axis: str | ArrayLike, owner: str) -> NDArray[np.float64]:
     return np.asarray(along / np.linalg.norm(along))
 
 
+def place_in_words(place: NDArray[np.float64]) -> str:
+    """A place (2,) or (3,) in words, without a height of zero."""
+    seen = place if place[2:].any() else place[:2]
+    return f"({', '.join(f'{value:.6g}' for value in seen)})"
+
+
 def require_nodes(owner: str, **nodes: Any) -> None:
     """Each of the arguments is a Node."""
     for name, node in nodes.items():

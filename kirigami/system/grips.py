@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 from kirigami.errors import ModelError
 from kirigami.primitives.following import FollowingRows, Links
 from kirigami.primitives.kernel import Array
+from kirigami.primitives.node import place_in_words
 
 Index = NDArray[np.int64]
 
@@ -51,10 +52,10 @@ class Grips:
             before += int(own.rate.max(initial=0))
         joined = Links(*(np.concatenate(part) for part in zip(*links)))._replace(rate=np.concatenate(rate))
         for row in joined.lead[np.isin(joined.lead, self.followers)].tolist():
-            place = ", ".join(f"{value:.6g}" for value in self.rest[row])
             both = " and ".join(group.words for group in self.groups)
             raise ModelError(
-                f"what is at ({place}) follows one of {both}, and is followed by another one: keep them apart"
+                f"what is at {place_in_words(self.rest[row])} follows one of {both}, and is followed by "
+                "another one: keep them apart"
             )
         return joined
 
