@@ -8,8 +8,7 @@ import numpy as np
 
 from kirigami.errors import AnalysisError
 from kirigami.primitives.kernel import Array
-from kirigami.results.gradients.equilibrium import Adjoint
-from kirigami.system.assembly import scatter_add
+from kirigami.results.gradients.equilibrium import Adjoint, borne
 from kirigami.system.system import System
 
 
@@ -32,12 +31,7 @@ def potentials(adjoints: Sequence[Adjoint], system: System) -> list[float]:
             system.history = at.system.history
             u = system.displacement(at.q, at.lam)
             x = system.configuration(u)
-            total, energy = np.zeros_like(system.rest), 0.0
-            for kernel in system.kernels:
-                told = kernel.evaluate(x, at.lam, 1)
-                assert told.gradient is not None
-                scatter_add(total, kernel.conn, told.gradient)
-                energy += float(told.energy.sum()) if kernel.stores_energy else 0.0
+            total, _, energy = borne(system, x, at.lam)
             placed = np.asarray(x) - np.asarray(at.configuration)
             forces[id(at)] = u, total, placed, energy
         u, total, placed, energy = forces[id(at)]

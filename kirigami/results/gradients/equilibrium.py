@@ -145,15 +145,7 @@ class Equilibrium:
 
     @cached_property
     def _borne(self) -> tuple[Array, Array, float]:
-        """Forces (rows, dim) of everything and of what stores energy, and that energy."""
-        system = self.system
-        forces, stored, energy = np.zeros_like(system.rest), np.zeros_like(system.rest), 0.0
-        for kernel in system.kernels:
-            found = kernel.evaluate(self.configuration, self.lam, 1)
-            assert found.gradient is not None
-            scatter_add(stored if kernel.stores_energy else forces, kernel.conn, found.gradient)
-            energy += float(found.energy.sum()) if kernel.stores_energy else 0.0
-        return forces + stored, stored, energy
+        return borne(self.system, self.configuration, self.lam)
 
     def told(self, tell: Tell) -> Told:
         """A functional here, with its derivatives."""
@@ -211,6 +203,17 @@ class Adjoint:
             found = kernel.sensitivity(self.at.configuration, self.at.lam, self.v, energy)
             self._by_arrays[id(kernel)] = found
         return self._by_arrays[id(kernel)]
+
+
+def borne(system: System, configuration: Configuration, lam: float) -> tuple[Array, Array, float]:
+    """Forces (rows, dim) of everything and of what stores energy, and that energy."""
+    forces, stored, energy = np.zeros_like(system.rest), np.zeros_like(system.rest), 0.0
+    for kernel in system.kernels:
+        found = kernel.evaluate(configuration, lam, 1)
+        assert found.gradient is not None
+        scatter_add(stored if kernel.stores_energy else forces, kernel.conn, found.gradient)
+        energy += float(found.energy.sum()) if kernel.stores_energy else 0.0
+    return forces + stored, stored, energy
 
 
 def weighted(weights: Sequence[float], rates: Sequence[Any]) -> Any:
