@@ -23,6 +23,7 @@ from kirigami.elements.held_edges import given_back, joined_members
 from kirigami.elements.stiffness import hinge_stiffness
 from kirigami.elements.triangle import ENDS, STARTS
 from kirigami.errors import ModelError
+from kirigami.geometry.border import joined_nodes, leaders
 from kirigami.geometry.topology import pair_numbers
 from kirigami.primitives.kernel import Array, Kernel
 from kirigami.primitives.parts import Numbering
@@ -59,8 +60,7 @@ class CellBorder:
     def lead(self, nodes: Index, count: int) -> tuple[Index, Index]:
         """What each of the nodes (k,) out of `count` repeats, itself if it is none of the images, and in how many steps
         (k, m)."""
-        leader, steps = np.arange(count), np.zeros((count, len(self.lattice)), np.int64)
-        leader[self.images[:, 0]], steps[self.images[:, 0]] = self.images[:, 1], self.images[:, 2:]
+        leader, steps = leaders(self.images, count)
         return leader[nodes], steps[nodes]
 
     def around(self, points: Array, triangles: Index, edge: Index) -> tuple[Array, Index, Index, Index]:
@@ -69,14 +69,8 @@ class CellBorder:
 
         Edges on the border that repeat each other keep a number each, but have the facets of both.
         """
-        nodes = np.arange(len(points))
-        leader, own = self.lead(nodes, len(points))
         shifts = np.array(sorted(product((-1, 0, 1), repeat=len(self.lattice)), key=lambda s: (any(s), s)))
-        steps = (own[None] + shifts[:, None]).reshape(-1, len(self.lattice))
-        key = np.column_stack([np.tile(leader, len(shifts)), steps])
-        _, first, place = np.unique(key, axis=0, return_index=True, return_inverse=True)
-        there = np.tile(points, (len(shifts), 1)) + np.repeat(shifts @ self.lattice, len(points), axis=0)
-        place = place.ravel().reshape(len(shifts), -1)
+        node, steps, place = joined_nodes(self.images, shifts, len(points))
         facets = place[:, triangles].reshape(-1, 3)
         following = np.roll(facets, -1, axis=1)
         pairs = np.sort(np.stack([facets, following], axis=2).reshape(-1, 2), axis=1)
@@ -89,7 +83,7 @@ class CellBorder:
         every = number[found].reshape(-1, 3)
         source = np.empty(int(every.max()) + 1, np.int64)
         source[every.ravel()[::-1]] = np.tile(edge.ravel(), len(shifts))[::-1]  # those of the cell count
-        return there[first], facets, every, source
+        return points[node] + steps @ self.lattice, facets, every, source
 
 
 def cell_border(numbering: Numbering) -> CellBorder | None:

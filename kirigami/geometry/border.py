@@ -91,18 +91,30 @@ def tiled(
     """
     from kirigami.geometry.mesh import TriMesh
 
-    size = len(mesh.nodes)
-    leader, own = np.arange(size), np.zeros((size, len(lattice)), np.int64)
-    leader[images[:, 0]], own[images[:, 0]] = images[:, 1], images[:, 2:]
     cells = np.array(list(product(*(range(count) for count in counts))), dtype=np.int64)
-    steps = (own[None] + cells[:, None]).reshape(-1, len(lattice))
-    key = np.column_stack([np.tile(leader, len(cells)), steps])
-    found, place = np.unique(key, axis=0, return_inverse=True)
-    triangles = place.ravel().reshape(len(cells), -1)[:, mesh.triangles].reshape(-1, 3)
-    node, away = found[:, 0], found[:, 1:]
+    node, away, place = joined_nodes(images, cells, len(mesh.nodes))
+    triangles = place[:, mesh.triangles].reshape(-1, 3)
     nodes = mesh.nodes[node] + away @ lattice
     made = TriMesh(nodes, triangles, thickness=mesh.thickness, material=mesh.material)
     return made, node, away
+
+
+def leaders(images: Index, count: int) -> tuple[Index, Index]:
+    """What each of `count` nodes repeats, itself if it is none of the images (k, 2 + m), and in how many steps
+    (count, m)."""
+    leader, steps = np.arange(count), np.zeros((count, images.shape[1] - 2), np.int64)
+    leader[images[:, 0]], steps[images[:, 0]] = images[:, 1], images[:, 2:]
+    return leader, steps
+
+
+def joined_nodes(images: Index, cells: Index, count: int) -> tuple[Index, Index, Index]:
+    """The nodes of cells at some steps (c, m), joined as the infinite sheet is: which node of the cell each repeats
+    (n,), in how many steps (n, m); and which of them are the nodes of each cell (c, count)."""
+    leader, own = leaders(images, count)
+    steps = (own[None] + cells[:, None]).reshape(-1, cells.shape[1])
+    key = np.column_stack([np.tile(leader, len(cells)), steps])
+    found, place = np.unique(key, axis=0, return_inverse=True)
+    return found[:, 0], found[:, 1:], place.reshape(len(cells), count)
 
 
 def _steps(vectors: int) -> list[tuple[int, ...]]:
