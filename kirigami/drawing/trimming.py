@@ -55,6 +55,8 @@ def trimmed(curves: Sequence[Curve], rim: Any, gap: float) -> Trimmed:
     shapely.prepare(strip)
     within, on_rim = shapely.covered_by(lines, wide), shapely.covered_by(lines, strip)
     for curve, line, is_within, is_along in zip(curves, lines, within.tolist(), on_rim.tolist()):
+        if not line.length:  # smaller than a gap, and led onto one point by what it meets
+            continue
         if is_along:
             result.along.append(curve)
         elif is_within:

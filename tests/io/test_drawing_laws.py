@@ -83,6 +83,7 @@ def survey(first: int, count: int) -> str:
 def test_random_curves_are_read_or_refused() -> None:
     read, meshed, refused = (int(part.split()[0]) for part in survey(0, 100).split(","))
     assert read + refused == 100 and meshed > 20 and refused > 10
+    assert survey(1409, 1).startswith("1 read")  # a fold smaller than the gap is led onto one point
 
 
 @pytest.mark.long
