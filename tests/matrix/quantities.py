@@ -107,7 +107,7 @@ QUANTITIES: dict[str, Quantity] = {
 NO_QUANTITY: dict[str, str] = {
     **dict.fromkeys(
         """append configuration evaluate_at forget_model member_deformation member_dissipation member_energy
-        member_force node_index object_number row_gradients rows step_number told""".split(),
+        member_force node_index object_number once row_gradients rows step_number told""".split(),
         "for the package and for authors of effects; the quantities above are made of it",
     ),
     **dict.fromkeys(["model", "material", "bars", "grips"], "hands out what the run was made of"),
