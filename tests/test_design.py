@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import partial
+
 import numpy as np
 import pytest
 import shapely
@@ -43,6 +45,28 @@ def test_a_mesh_whose_rim_moves_rigidly_moves_rigidly():
     small = 1e-6 * mesh.nodes[:, :2] @ (turn - turn.T) / 2
     spun = mesh.moved(rim, mesh.nodes[rim, :2] + small[rim])
     assert np.allclose(spun.nodes[:, :2], mesh.nodes[:, :2] + small, atol=1e-13)
+
+
+def pulled_on(start, inner):
+    res = start.at(inner=inner).walk([1.0], tol=1e-11)
+    return {"force": res.reaction("driven_0", "y")[-1]}
+
+
+def test_a_sweep_over_a_parameter_has_the_slope_that_gradients_say(tmp_path):
+    """One mesh and one imperfection follow the parameter, in other processes as well."""
+    start, thinner = (
+        design(supports=kg.LoadCase(strain=0.02), stiffness="plate", thickness=thickness) for thickness in (1e-3, 5e-4)
+    )
+    step = 1e-4
+    rows = [{"inner": 1.0 + side * step} for side in (-1, 0, 1)]
+    table = kg.Sweep(partial(pulled_on, start), rows, tmp_path / "force").run(workers=1)
+    assert len(table.done) == 3
+    less, here, more = table["force"].tolist()
+    slope = start.walk([1.0], tol=1e-11).gradient(("force", "driven_0", "y"), start)["inner"]
+    assert (more - less) / (2 * step) == pytest.approx(slope, rel=1e-4)
+    assert more - 2 * here + less == pytest.approx(0.0, abs=0.01 * abs(more - less))
+    with pytest.raises(kg.AnalysisError, match="belongs to"):  # rows of another thickness
+        kg.Sweep(partial(pulled_on, thinner), rows, tmp_path / "force").run(workers=1)
 
 
 def test_where_it_goes_does_not_depend_on_the_way():

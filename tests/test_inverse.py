@@ -12,6 +12,7 @@ from slit_design import BOX, cuts, pulled
 
 import kirigami as kg
 from kirigami.design.search import Search
+from kirigami.design.starts import spread
 
 FORCE = ("force", "driven_0", "y")
 
@@ -174,6 +175,26 @@ def test_an_interrupted_search_keeps_its_best_and_goes_on(tmp_path):
     assert again.values["inner"] == pytest.approx(0.8, abs=1e-4)
 
 
+def test_an_interrupted_wish_goes_on_from_its_best_in_the_size_it_had(tmp_path):
+    start, path = design(edge=1.0, stiffness="plate"), tmp_path / "search.json"
+
+    def stop(number, values, error):
+        if number == 2:
+            raise KeyboardInterrupt
+
+    problem = kg.Inverse(start, (FORCE, 1.0, "max"), corrections=None, path=path)
+    first = problem.run(progress=stop)
+    assert first.status == "interrupted"
+    again = Search(problem, start, path, False)
+    assert dict(zip(again.design.free, again.design.vector)) == first.values != start.values  # stiffer is better
+    assert again.scales == pytest.approx(forces(start, [1.0]))
+    assert np.isnan(problem.targets[0].scale)  # which is of the search, and no other search sees it
+    other = start.at(inner=0.6)
+    assert Search(kg.Inverse(start, (FORCE, 1.0, "max")), other, None, False).scales == pytest.approx(
+        forces(other, [1.0])
+    )
+
+
 @pytest.mark.long
 def test_answer_is_walked_on_a_finer_mesh():
     start = design(edge=1.0)
@@ -210,6 +231,19 @@ def test_starts_side_by_side_are_those_one_by_one(tmp_path):
     assert found.coarse_error < 1e-4
     assert found.values["inner"] == pytest.approx(0.8, abs=1e-3)
     assert (tmp_path / "search_2.json").exists()
+
+
+@pytest.mark.long
+def test_a_wish_means_the_same_from_all_starts_and_side_by_side(tmp_path):
+    """The force alone tells which answer is better, by whatever it is divided."""
+    start = design(edge=1.0, stiffness="plate", supports=kg.LoadCase(strain=0.025))
+    problem = kg.Inverse(start, (FORCE, 1.0, "max"), corrections=None, evaluations=1, path=tmp_path / "search.json")
+    found = problem.run(starts=3, seed=1, workers=2)
+    size = forces(start, [1.0])[0]
+    assert found.worth == pytest.approx(-found.coarse[0][0] / size, rel=1e-6)
+    assert found.coarse[0][0] >= max(forces(each, [1.0])[0] for each in (start, *spread(start, 2, 1))) * (1 - 1e-6)
+    alone = kg.Inverse(start, (FORCE, 1.0, "max"), corrections=None, evaluations=1).run(starts=3, seed=1)
+    assert alone.worth == pytest.approx(-alone.coarse[0][0] / size, rel=1e-6)
 
 
 def test_better_designs_leave_pictures(tmp_path):

@@ -413,7 +413,10 @@ class Design:
 
     def __repr__(self) -> str:
         told = ", ".join(f"{name}={value:.6g}" for name, value in self.values.items())
-        return f"Design({told}; {len(self._reference_mesh.nodes)} nodes)"
+        kept = {name: self._made[name] for name in ("thickness", "material") if not callable(self._made[name])}
+        kept |= {"stiffness": self.stiffness, "imperfection": self._amplitude, "seed": self._seed}
+        same = ", ".join(f"{name}={shown(value)}" for name, value in kept.items() if value is not None)
+        return f"Design({told}; {len(self._reference_mesh.nodes)} nodes, {same})"
 
 
 def lines_of(sheet: Sheet) -> tuple[Any, ...]:

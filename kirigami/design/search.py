@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import warnings
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -45,8 +46,12 @@ class Trial:
 class Search:
     """One run of an inverse problem."""
 
-    def __init__(self, problem: Inverse, design: Design, path: Path | None, progress: Any) -> None:
+    def __init__(
+        self, problem: Inverse, design: Design, path: Path | None, progress: Any, scales: Sequence[float] | None = None
+    ) -> None:
+        """`scales`: by what errors of each target are divided, where another search has found that already."""
         self.problem, self.design, self.path, self.progress = problem, design, path, progress
+        self.scales = [target.scale for target in problem.targets] if scales is None else list(scales)
         self.history: list[dict[str, Any]] = []
         self.begun = 0  # designs tried before this round
         self.best: Trial | None = None
@@ -56,10 +61,10 @@ class Search:
         self._resume()
         self.critical = critical_events(problem.targets, problem.constraints)
         self.branch = Branch(self.design, self.lams, self.critical)
-        for target in problem.targets:
-            if np.isnan(target.scale):  # a wish is measured by what the start does
+        for number, target in enumerate(problem.targets):
+            if np.isnan(self.scales[number]):  # a wish is measured by what the start does
                 told = abs(self.branch.asked(target.functional, float(target.lam[0]), slopes=False).value)
-                object.__setattr__(target, "scale", told or 1.0)
+                self.scales[number] = told or 1.0
 
     # ---- one design
 
@@ -93,12 +98,12 @@ class Search:
                     raise  # asked for wrongly, which is no matter of the design
                 failed = str(error)
         if failed:
-            self._note(x, float("nan"), failed)
+            self._note(x, float("nan"), float("nan"), failed)
             return None
         if self.best is None or found.worth < self.best.worth:
             self.best = found
             self._draw(found)
-        self._note(x, float(np.abs(found.errors).max(initial=0.0)))
+        self._note(x, float(np.abs(found.errors).max(initial=0.0)), found.worth)
         return found
 
     def _enough(self, trial: Trial) -> bool:
@@ -128,10 +133,10 @@ class Search:
     def _evaluated(self, x: Array) -> Trial:
         problem, branch = self.problem, self.branch
         pieces, errors, scales = [], [], []
-        for target, shift in zip(problem.targets, self.shift):
+        for target, shift, size in zip(problem.targets, self.shift, self.scales):
             for lam, wanted, moved in zip(target.lam.tolist(), target.values, shift):
                 pieces.append(branch.asked(target.functional, lam))
-                scale = (target.wish or 1.0) / target.scale
+                scale = (target.wish or 1.0) / size
                 scales.append(scale)
                 errors.append(np.nan if target.wish else (pieces[-1].value - wanted + moved) * scale)
         count, told = len(pieces), [piece.value for piece in pieces]
@@ -148,16 +153,16 @@ class Search:
                 bounds.append(pieces[row].value)
                 bound_slopes.append(slopes[row])
                 row += 1
-        values, size = np.array(errors), np.array(scales)
+        values, per_size = np.array(errors), np.array(scales)
         wishes = np.isnan(values)
-        wished = float((np.array(told)[wishes] * size[wishes]).sum())
+        wished = float((np.array(told)[wishes] * per_size[wishes]).sum())
         outside = sum(
             max(bound.low - value, value - bound.high, 0.0) / (abs(value) or 1.0)
             for bound, value in zip(problem.constraints, bounds)
         )
         worth = 0.5 * float((values[~wishes] ** 2).sum()) + wished + 1e3 * outside
         return Trial(
-            x.copy(), np.array(told), np.where(wishes, 0.0, values), slopes[:count] * size[:, None], np.array(bounds),
+            x.copy(), np.array(told), np.where(wishes, 0.0, values), slopes[:count] * per_size[:, None], np.array(bounds),
             np.array(bound_slopes).reshape(len(bounds), len(x)), worth,
         )  # fmt: skip
 
@@ -174,7 +179,10 @@ class Search:
 
     def _pull(self, trial: Trial) -> tuple[Array, Array]:
         """What makes errors or wishes of the values asked for, and the derivatives of what is to be small by these."""
-        scales = [np.full(len(target.lam), (target.wish or 1.0) / target.scale) for target in self.problem.targets]
+        scales = [
+            np.full(len(target.lam), (target.wish or 1.0) / size)
+            for target, size in zip(self.problem.targets, self.scales)
+        ]
         return np.concatenate(scales), np.where(self._wished, 1.0, trial.errors)
 
     def _thicker(self, design: Design, trial: Trial) -> Array | None:
@@ -197,11 +205,11 @@ class Search:
 
     # ---- what is kept
 
-    def _note(self, x: Array, error: float, why: str = "") -> None:
+    def _note(self, x: Array, error: float, worth: float, why: str = "") -> None:
         values = dict(zip(self.design.free, map(float, x)))
-        self.history.append({"values": values, "error": error, "why": why})
+        self.history.append({"values": values, "error": error, "worth": worth, "why": why})
         if self.path is not None:
-            text = json.dumps({"names": list(values), "history": self.history})
+            text = json.dumps({"names": list(values), "scales": self.scales, "history": self.history})
             with whole_file(self.path) as unfinished:
                 unfinished.write_text(text)
         if callable(self.progress):
@@ -243,8 +251,9 @@ class Search:
             raise AnalysisError(f"Inverse: {path} is of a design with other parameters: {', '.join(names)}")
         known = [entry for entry in history if entry["error"] == entry["error"]]
         if known:
-            self.design = self.design.at(min(known, key=lambda entry: float(entry["error"]))["values"])
-        self.history = history
+            best = min(known, key=lambda entry: float(entry.get("worth", entry["error"])))  # older files have no worth
+            self.design = self.design.at(best["values"])
+        self.history, self.scales = history, stored.get("scales", self.scales)
 
     # ---- the search
 
@@ -289,12 +298,12 @@ class Search:
         self.branch.walks += branch.walks
         self.branch.factorizations += branch.factorizations
         found, worst = [], 0.0
-        for target in self.problem.targets:
+        for target, size in zip(self.problem.targets, self.scales):
             lams = target.lam.tolist()
             told = np.array([branch.asked(target.functional, lam, slopes=False).value for lam in lams])
             found.append(told)
             if not target.wish:
-                worst = max(worst, float(np.abs(told - target.values).max() / target.scale))
+                worst = max(worst, float(np.abs(told - target.values).max() / size))
         return found, worst
 
     def _correct(self, fine: list[Array]) -> None:
@@ -320,8 +329,8 @@ class Search:
         met = float(np.abs(best.errors).max(initial=0.0))
         inside = self._within(best)
         own = max(
-            (float(np.abs(told - target.values).max() / target.scale)
-             for told, target in zip(coarse, problem.targets) if not target.wish),
+            (float(np.abs(told - target.values).max() / size)
+             for told, target, size in zip(coarse, problem.targets, self.scales) if not target.wish),
             default=0.0,
         )  # fmt: skip
         if status == "closest" and met <= max(1e-3, problem.enough) and inside:

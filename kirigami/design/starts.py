@@ -49,13 +49,14 @@ def better(one: InverseResult, other: InverseResult) -> bool:
 
 def one_by_one(problem: Inverse, designs: list[Design], progress: Any) -> InverseResult:
     """The best answer of searches from designs, of which the first must be walkable."""
-    best = Search(problem, designs[0], problem.path, progress).run()
+    search = Search(problem, designs[0], problem.path, progress)
+    scales, best = search.scales, search.run()
     for number, design in enumerate(designs[1:], start=1):
         if best.status == "interrupted":
             break
         path = None if problem.path is None else problem.path.with_stem(f"{problem.path.stem}_{number}")
         try:
-            found = Search(problem, design, path, progress).run()
+            found = Search(problem, design, path, progress, scales).run()
         except AnalysisError:
             continue
         if better(found, best):
@@ -72,8 +73,12 @@ def side_by_side(problem: Inverse, designs: list[Design], workers: int, progress
         found: dict[int, dict[str, Any]] = {}
         try:
             with runner_for(None, partial(search_from, problem), workers, len(designs)) as runner:
+                scales = common_scales(problem, designs, paths)
                 out = {
-                    runner.submit(runner.function, {"values": design.vector.tolist(), "path": str(path)}): number  # type: ignore[attr-defined]
+                    runner.submit(
+                        runner.function,  # type: ignore[attr-defined]
+                        {"values": design.vector.tolist(), "path": str(path), "scales": scales},
+                    ): number
                     for number, (design, path) in enumerate(zip(designs, paths))
                 }
                 while out:
@@ -97,11 +102,23 @@ def side_by_side(problem: Inverse, designs: list[Design], workers: int, progress
         raise AnalysisError("Inverse: none of the designs to start from can be walked")
 
 
-def search_from(problem: Inverse, values: list[float], path: str) -> dict[str, Any]:
+def common_scales(problem: Inverse, designs: list[Design], paths: list[Path]) -> list[float]:
+    """By what the errors of each target are divided, so that answers from all starts may be compared."""
+    if not any(np.isnan(target.scale) for target in problem.targets):
+        return [target.scale for target in problem.targets]
+    for design, path in zip(designs, paths):
+        try:
+            return Search(problem, design, path, False).scales
+        except AnalysisError:
+            continue
+    raise AnalysisError("Inverse: none of the designs to start from can be walked")
+
+
+def search_from(problem: Inverse, values: list[float], path: str, scales: list[float]) -> dict[str, Any]:
     """One search, in a worker."""
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", KirigamiWarning)
-        found = Search(problem, problem.design.at(values), Path(path), False).run()
+        found = Search(problem, problem.design.at(values), Path(path), False, scales).run()
     return {
         "x": json.dumps(list(found.values.values())), "verified": found.verified, "worth": found.worth,
         "error": found.error,

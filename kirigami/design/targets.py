@@ -36,7 +36,8 @@ class Target:
     lam, values : ndarray, shape (k,)
         Load factors, and what is wanted at each; nan where it is only to be large or small.
     scale : float
-        By what errors are divided: the largest value wanted, unless given.
+        By what errors are divided: the largest value wanted, unless given; nan where it is only to be large or small,
+        which each search measures by what its start does.
     wish : float
         1 where the functional is to be small, -1 where it is to be large, 0 where it has a value to meet.
     """
