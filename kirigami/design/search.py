@@ -153,17 +153,17 @@ class Search:
                 bounds.append(pieces[row].value)
                 bound_slopes.append(slopes[row])
                 row += 1
-        values, per_size = np.array(errors), np.array(scales)
+        values, by_size = np.array(errors), np.array(scales)
         wishes = np.isnan(values)
-        wished = float((np.array(told)[wishes] * per_size[wishes]).sum())
+        wished = float((np.array(told)[wishes] * by_size[wishes]).sum())
         outside = sum(
             max(bound.low - value, value - bound.high, 0.0) / (abs(value) or 1.0)
             for bound, value in zip(problem.constraints, bounds)
         )
         worth = 0.5 * float((values[~wishes] ** 2).sum()) + wished + 1e3 * outside
         return Trial(
-            x.copy(), np.array(told), np.where(wishes, 0.0, values), slopes[:count] * per_size[:, None], np.array(bounds),
-            np.array(bound_slopes).reshape(len(bounds), len(x)), worth,
+            x.copy(), np.array(told), np.where(wishes, 0.0, values), slopes[:count] * by_size[:, None],
+            np.array(bounds), np.array(bound_slopes).reshape(len(bounds), len(x)), worth,
         )  # fmt: skip
 
     def wishes(self, trial: Trial) -> tuple[float, Array]:
