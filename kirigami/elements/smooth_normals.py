@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from kirigami.geometry.folds import SHARP
 from kirigami.primitives.kernel import Array
 
-SHARP = np.radians(30.0)  # an edge between facets that meet at more is a fold of the rest shape, not a part of a curve
 Index = NDArray[np.int64]
 
 

@@ -108,6 +108,21 @@ def boundary_pairs(triangles: Integers) -> Integers:
     return np.column_stack([triangles.ravel()[half], triangles[:, [1, 2, 0]].ravel()[half]])
 
 
+def joined_corners(triangles: Integers, edges: Integers, edge_facets: Integers) -> Integers:
+    """Numbers (m, 3) of the pieces that the corners of facets belong to, where `edges` (k, 2) join the two facets
+    (k, 2) on them: round a node, the facets that come together without a fold or a cut between them."""
+    from scipy.sparse import coo_array
+    from scipy.sparse.csgraph import connected_components
+
+    links = [
+        np.stack([3 * facet + np.argmax(triangles[facet] == end[:, None], axis=1) for facet in edge_facets.T], axis=1)
+        for end in edges.T
+    ]
+    joined, size = np.concatenate(links), triangles.size
+    graph = coo_array((np.ones(len(joined), np.int8), (joined[:, 0], joined[:, 1])), shape=(size, size))
+    return np.asarray(connected_components(graph, directed=False)[1].reshape(-1, 3), dtype=np.int64)
+
+
 def edges_within(edge: Integers, ends: Integers, inside: NDArray[np.bool_]) -> NDArray[np.bool_]:
     """Which edges a set of nodes holds: those with both ends in it that have one facet, or facets all in the set.
 

@@ -18,7 +18,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from kirigami.geometry.folds import fold_angles, fold_curvature_rates
+from kirigami.geometry.folds import SHARP, facet_axes, fold_angles, fold_curvature_rates, laid_out
+from kirigami.geometry.topology import joined_corners
 from kirigami.post.shape import check_flat, checked_mesh, checked_positions, principal_values
 from kirigami.primitives.checks import require_choice
 
@@ -93,18 +94,39 @@ def curvature(positions: ArrayLike, mesh: TriMesh, kind: str = "mean", per: str 
 
 
 class CurvatureFit:
-    """Least-squares curvature of the facets of one flat mesh from hinge angles, whatever the positions."""
+    """Least-squares curvature of the facets of one mesh from hinge angles, whatever the positions.
+
+    On a mesh that is not flat all angles count, those it has at rest too, and the axes are those of
+    :func:`kirigami.geometry.folds.facet_axes`. Edges that are sharp at rest, and what is beyond them, say nothing of a
+    facet, as at folds.
+    """
 
     def __init__(self, mesh: TriMesh) -> None:
+        normal, axes = _planes(mesh)
         inner = np.flatnonzero((mesh.edge_facets[:, 1] >= 0) & ~mesh.edge_folded)
+        inner = inner[(normal[mesh.edge_facets[inner]].prod(axis=1)).sum(axis=1) > np.cos(SHARP)]
+        facets, ends = mesh.edge_facets[inner], mesh.edges[inner]
         self.triangles = mesh.triangles
-        self.quads = np.column_stack([mesh.edge_wings[inner, 0], mesh.edges[inner], mesh.edge_wings[inner, 1]])
-        rows = fold_curvature_rates(mesh.nodes[self.quads, :2])
-        size = np.linalg.norm(rows, axis=1)
-        weight = mesh.facet_areas[mesh.edge_facets[inner]].sum(axis=1) / size**2
+        self.quads = np.column_stack([mesh.edge_wings[inner, 0], ends, mesh.edge_wings[inner, 1]])
+        places = mesh.nodes[self.quads]
+        along = places[:, 2] - places[:, 1]
+        along /= np.linalg.norm(along, axis=1)[:, None]
+        beside = np.stack([along, np.cross(normal[facets[:, 0]], along)], axis=1)
+        flat = fold_curvature_rates(laid_out(places, beside, np.ones(len(inner), bool)))
+        # the tensors R, in the mean plane of the two facets, without a rate of twist by one of its two equal entries
+        mean = normal[facets].sum(axis=1)
+        beside[:, 1] = np.cross(mean / np.linalg.norm(mean, axis=1)[:, None], along)
+        rows = np.einsum("eci,ei->ec", _components_in(beside), flat * [1.0, 1.0, np.sqrt(0.5)])
+        weight = mesh.facet_areas[facets].sum(axis=1) / (rows**2).sum(axis=1)
+        part = joined_corners(mesh.triangles, ends, facets)
+        corner = np.argmax(mesh.triangles[facets[:, :1]] == ends[:, :, None], axis=2)
+        self._at = part[facets[:, :1], corner]  # (e, 2): the pieces of smooth sheet round its ends that an edge is in
+        self._part = part
         self.weighted = rows * weight[:, None]
+        self._onto = _components_in(axes).transpose(0, 2, 1)  # (m, 3, 6)
+        squares = self._gather(self.weighted[:, :, None] * rows[:, None, :])
         self.inverse = np.linalg.pinv(
-            self._gather(self.weighted[:, :, None] * rows[:, None, :]), rcond=UNSEEN, hermitian=True
+            self._onto @ squares @ self._onto.transpose(0, 2, 1), rcond=UNSEEN, hermitian=True
         )
 
     def components(self, points: Floats) -> Floats:
@@ -112,8 +134,9 @@ class CurvatureFit:
         steps = points.reshape(-1, *points.shape[-2:])
         found = np.empty((len(steps), len(self.triangles), 3))
         for row, step in zip(found, steps):
-            angle = fold_angles(step[self.quads])
-            row[:] = np.einsum("fij,fj->fi", self.inverse, self._gather(self.weighted * angle[:, None]))
+            gathered = self._gather(self.weighted * fold_angles(step[self.quads])[:, None])
+            row[:] = np.einsum("fij,fjk,fk->fi", self.inverse, self._onto, gathered)
+        found[..., 2] *= np.sqrt(0.5)
         return found.reshape(*points.shape[:-2], *found.shape[1:])
 
     def tensor(self, points: Floats) -> Floats:
@@ -121,12 +144,29 @@ class CurvatureFit:
         return _tensor(self.components(points))
 
     def _gather(self, per_edge: Floats) -> Floats:
-        """Sums over the edges that meet each node of a facet, wings not counted, and over its three nodes."""
-        at_nodes = np.zeros((self.triangles.max() + 1, *per_edge.shape[1:]))
-        for corner in (1, 2):
-            np.add.at(at_nodes, self.quads[:, corner], per_edge)
-        total: Floats = at_nodes[self.triangles].sum(axis=1)
+        """Sums over the edges that meet each corner of a facet without a fold between, wings not counted, and over its
+        three corners."""
+        at_corners = np.zeros((self._part.max() + 1, *per_edge.shape[1:]))
+        for at in self._at.T:
+            np.add.at(at_corners, at, per_edge)
+        total: Floats = at_corners[self._part].sum(axis=1)
         return total
+
+
+def _planes(mesh: TriMesh) -> tuple[Floats, Floats]:
+    """Normals (m, 3) and axes (m, 2, 3) of the facets as drawn."""
+    axes = facet_axes(mesh.nodes[mesh.triangles])
+    return np.cross(axes[:, 0], axes[:, 1]), axes
+
+
+def _components_in(axes: Floats) -> Floats:
+    """Matrices (k, 6, 3) from components (xx, yy, sqrt(2) xy) of tensors along `axes` (k, 2, 3) to those in space, of
+    which the last three are times sqrt(2) too: scalar products are those of the tensors."""
+    one, two = axes[:, 0], axes[:, 1]
+    i, j = np.array([0, 1, 2, 0, 1, 2]), np.array([0, 1, 2, 1, 2, 0])
+    twice = np.where(i == j, 1.0, np.sqrt(2.0))
+    mixed = np.sqrt(0.5) * (one[:, i] * two[:, j] + one[:, j] * two[:, i])
+    return np.stack([twice * one[:, i] * one[:, j], twice * two[:, i] * two[:, j], twice * mixed], axis=2)
 
 
 def _tensor(components: Floats) -> Floats:

@@ -26,6 +26,7 @@ import numpy as np
 
 from kirigami.errors import AnalysisError
 from kirigami.linalg import SingularMatrixError
+from kirigami.post.shape import FLAT
 from kirigami.primitives.kernel import Array
 from kirigami.results.cut_edges import cut_edges
 from kirigami.results.recovery import BENDING, MEMBRANE, Recovery
@@ -112,7 +113,7 @@ def estimated_error(results: Results) -> ErrorBar:
     ------
     AnalysisError
         The model was not made from a mesh, or moves; its bars and hinges can yield; or it has bars, hinges or flat
-        facets on a mesh that was not drawn flat, whose curvature is not known.
+        facets on a mesh that was not drawn flat, of which not all that they make of a curve is estimated.
     """
     mesh = results.mesh
     if mesh is None or results.sheet_constants is None:
@@ -123,7 +124,7 @@ def estimated_error(results: Results) -> ErrorBar:
     if results.moves:
         raise AnalysisError("the error is estimated of equilibria, not of motions", results=results)
     recovery = Recovery(results, mesh)
-    if not recovery.complete and results.dim == 3:
+    if recovery.shell is None and results.dim == 3 and np.ptp(mesh.nodes[:, 2]) > FLAT * mesh.size:
         raise AnalysisError(
             "the error of bars, hinges and flat facets is estimated on meshes that were drawn flat; of "
             "stiffness='shell' on any",

@@ -2,8 +2,8 @@
 
 What elements say of strain and curvature jumps from facet to facet; the exact ones do not. Their means over the facets
 round each node, linear in between, are nearer to the truth, and the difference is taken for the error (Zienkiewicz and
-Zhu, 1987). Nothing is averaged across cuts, whose lips have nodes of their own, across folds, or between facets whose
-sections jump.
+Zhu, 1987). Nothing is averaged across cuts, folds, or between facets whose sections jump
+(:mod:`kirigami.results.smooth`).
 """
 
 from __future__ import annotations
@@ -19,15 +19,13 @@ from kirigami.elements.triangle import SurfaceStrain
 from kirigami.primitives.kernel import Array
 from kirigami.results.results import Results
 from kirigami.results.sheet_state import SheetState, StateReader, placed, state_reader
-from kirigami.results.smooth import folded_edges
+from kirigami.results.smooth import sectors
 from kirigami.results.step import Step
 
 if TYPE_CHECKING:
     from kirigami.geometry.mesh import TriMesh
 
 Index = NDArray[np.int64]
-JUMP = 0.3  # change of a section from facet to facet, over the section, from which on it is no smooth field
-FLAT = 1e-9  # largest height of a flat mesh over its size
 MEMBRANE, BENDING = slice(0, 3), slice(3, 6)
 ENGINEERING = np.array([1.0, 1.0, 2.0])
 
@@ -55,7 +53,7 @@ class Recovery:
         shells = [kernel for kernel in results.kernels if isinstance(kernel, ShellFacetKernel)]
         self.shell: ShellFacetKernel | None = shells[0] if len(shells) == 1 else None
         self.section = self._sections()
-        self.patch = _patches(results, mesh)
+        self.patch = sectors(results).corner
         corners = results.rest[mesh.triangles]
         along, across = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
         first = along / np.linalg.norm(along, axis=1)[:, None]
@@ -78,14 +76,9 @@ class Recovery:
     def reader(self) -> StateReader:
         return state_reader(self.results, self.mesh)
 
-    @property
-    def complete(self) -> bool:
-        """Whether curvature is known: of bars, hinges and flat facets only on a mesh that was drawn flat."""
-        return self.shell is not None or bool(np.ptp(self.mesh.nodes[:, 2]) <= FLAT * self.mesh.size)
-
     def state(self, step: Step) -> SheetState | None:
         """What the elements bear, on rungs that do not obey plate theory themselves."""
-        return None if self.shell is not None or not self.complete else self.reader.at(step)
+        return None if self.shell is not None else self.reader.at(step)
 
     def fields(self, step: Step, state: SheetState | None = None) -> Array:
         """The deformation (m, 3, 6) as the elements have it at a step, beyond what they take by themselves."""
@@ -165,28 +158,3 @@ class Recovery:
             both += (force.sum(axis=1) * other[..., part].sum(axis=1)).sum(axis=1)
             found.append(self.area / 12 * both)
         return found[0], found[1]
-
-
-def _patches(results: Results, mesh: TriMesh) -> Index:
-    """Numbers (m, 3) of the patches that the corners of facets belong to: those of :mod:`kirigami.results.smooth`,
-    parted also where the section jumps, seen in the axes of the drawing: in those of facets a grain turns with them."""
-    from scipy.sparse import coo_array
-    from scipy.sparse.csgraph import connected_components
-
-    triangles = mesh.triangles
-    inner = np.flatnonzero((mesh.edge_facets[:, 1] >= 0) & ~mesh.edge_folded & ~folded_edges(results, mesh))
-    one, two = mesh.edge_facets[inner].T
-    alike = np.ones(len(one), dtype=bool)
-    if results.sheet_constants is not None:
-        section = results.sheet_constants.sections(len(triangles))
-        for part in (MEMBRANE, BENDING):
-            of_one, of_two = section[one, part, part], section[two, part, part]
-            alike &= np.abs(of_one - of_two).max(axis=(1, 2)) <= JUMP * np.abs(of_one).max(axis=(1, 2))
-    one, two, ends = one[alike], two[alike], mesh.edges[inner[alike]]
-    places = [
-        np.stack([3 * facet + np.argmax(triangles[facet] == end[:, None], axis=1) for facet in (one, two)], axis=1)
-        for end in ends.T
-    ]
-    joined, size = np.concatenate(places), triangles.size
-    graph = coo_array((np.ones(len(joined), np.int8), (joined[:, 0], joined[:, 1])), shape=(size, size))
-    return np.asarray(connected_components(graph, directed=False)[1].reshape(-1, 3), dtype=np.int64)

@@ -10,6 +10,9 @@ found, and does its work:
   fold of a flat facet is its own. So the sum of A (N : dE + M : dK) over the sheet is the work of all its elements
   under uniform changes dE and dK, whatever the mesh.
 
+Tensors have the axes of :func:`kirigami.geometry.folds.facet_axes`, in the plane of each facet as drawn. Where a sheet
+is not drawn flat, the R of an edge are those of its two facets laid out in the plane of one.
+
 Bars and hinges do not keep Poisson's ratio: their moments across a bend are about -1/3 of those round it, which is what
 holds them in balance, but not what a plate would have. Curvature and, with bars, strain are measured on the surface.
 """
@@ -32,7 +35,7 @@ from kirigami.elements.shell_kernel import ShellFacetKernel
 from kirigami.elements.shell_rubber import RubberShellKernel
 from kirigami.elements.shell_yield import YieldingShellKernel
 from kirigami.elements.triangle import ENDS, STARTS, SurfaceStrain, edge_vectors
-from kirigami.geometry.folds import fold_curvature_rates
+from kirigami.geometry.folds import facet_axes, fold_curvature_rates, laid_out
 from kirigami.post.curvature import CurvatureFit
 from kirigami.primitives.kernel import Array, Kernel
 from kirigami.results.results import Results
@@ -47,7 +50,7 @@ SMALL = 1e-4  # displacement over size from which the rate of curvature of a lin
 
 @dataclass(eq=False)
 class SheetState:
-    """Strain, curvature, force and moment of each facet (m, 2, 2) in the axes of the drawing, and energies (m,).
+    """Strain, curvature, force and moment of each facet (m, 2, 2) in its axes as drawn, and energies (m,).
 
     ``natural`` (m, 6) are the strain and curvature (exx, eyy, gamma_xy, kxx, kyy, 2 kxy) at which facets bear nothing,
     nan where they are known of their edges alone, and ``heat`` (m, 2) that at the lower and upper faces in them.
@@ -64,7 +67,7 @@ class SheetState:
 
 
 class StateReader:
-    """Reads the states of one sheet, made from a flat mesh, off its results."""
+    """Reads the states of one sheet off its results."""
 
     def __init__(self, results: Results, mesh: TriMesh) -> None:
         self.results, self.mesh = results, mesh
@@ -72,7 +75,8 @@ class StateReader:
         self.surface = SurfaceStrain(results.rest, triangles)
         self.flat, self.area = self.surface.flat, self.surface.area
         # the facet laid out flat, against its drawing: the rotation of the gradient, without the stretch
-        drawn = edge_vectors(mesh.nodes[:, :2], triangles)
+        self.axes = facet_axes(mesh.nodes[triangles])
+        drawn = edge_vectors(mesh.nodes, triangles) @ self.axes.transpose(0, 2, 1)
         gradient = np.linalg.solve(drawn[:, :2], self.flat[:, :2]).transpose(0, 2, 1)
         angle = np.arctan2(gradient[:, 1, 0] - gradient[:, 0, 1], gradient[:, 0, 0] + gradient[:, 1, 1])
         cosine, sine = np.cos(angle), np.sin(angle)
@@ -185,11 +189,17 @@ class StateReader:
         mesh = self.mesh
         sides = np.sort(mesh.triangles[:, np.array([STARTS, ENDS]).T], axis=2)  # (m, 3, 2)
         edge = placed(sides.reshape(-1, 2), np.sort(mesh.edges, axis=1)).reshape(-1, 3)
-        inner = np.flatnonzero(mesh.edge_facets[:, 1] >= 0)
-        rate = np.zeros((len(mesh.edges), 3))
+        facet, corner = np.nonzero(mesh.edge_facets[edge, 1] >= 0)
+        inner = edge[facet, corner]
         quads = np.column_stack([mesh.edge_wings[inner, 0], mesh.edges[inner], mesh.edge_wings[inner, 1]])
-        rate[inner] = fold_curvature_rates(mesh.nodes[quads, :2])
-        return np.asarray(rate[edge])
+        rate = np.zeros((*edge.shape, 3))
+        rate[facet, corner] = self._fold_rates_of(mesh.nodes[quads], facet, mesh.edge_facets[inner, 0] == facet)
+        return rate
+
+    def _fold_rates_of(self, places: Array, facets: Index, first: NDArray[np.bool_]) -> Array:
+        """Rates (k, 3) of the angles at edges with `places` (k, 4, 3), as wing, edge nodes, wing, with the curvature in
+        the axes of `facets` (k,), which are those of the `first` wing or of the last."""
+        return fold_curvature_rates(laid_out(places, self.axes[facets], first))
 
     def _add_bars(self, state: SheetState, kernel: BarKernel, step: Step) -> None:
         if kernel.strain != "green" or kernel.law != "linear" or kernel.drive is not None:
@@ -210,29 +220,32 @@ class StateReader:
     def _add_hinges(self, state: SheetState, kernel: Kernel, step: Step) -> None:
         # the hinges of folds are no part of the sheet between them
         rows, sides = self._once(kernel, lambda: self._beside(kernel.conn[:, 1:3], folded=False))
-        rate = fold_curvature_rates(self.mesh.nodes[kernel.conn[rows], :2])
+        quads = kernel.conn[rows]
         moment = self.results.member_force(kernel, step)[rows]
         energy = self.results.member_energy(kernel, step)[rows]
-        tensor = _tensor(rate, half_shear=True) * moment[:, None, None]
-        for facet, _, share, chosen in sides:
-            np.add.at(state.moment, facet, (share / self.area[facet])[:, None, None] * tensor[chosen])
+        for facet, corner, share, chosen in sides:
+            first = self.mesh.triangles[facet, corner] == quads[chosen, 0]
+            rate = self._fold_rates_of(self.mesh.nodes[quads[chosen]], facet, first)
+            work = share * moment[chosen] / self.area[facet]
+            np.add.at(state.moment, facet, _tensor(rate, half_shear=True) * work[:, None, None])
             np.add.at(state.bending_energy, facet, share * energy[chosen])
 
     def _add_seams(self, state: SheetState, kernel: SeamHingeKernel, step: Step) -> None:
         """Hinges across the border of a periodic cell, with one facet on each side of it."""
-        tensor = _tensor(fold_curvature_rates(self._places[kernel.conn]), half_shear=True)
-        tensor *= self.results.member_force(kernel, step)[:, None, None]
-        energy = self.results.member_energy(kernel, step)
+        moment, energy = self.results.member_force(kernel, step), self.results.member_energy(kernel, step)
         area = self.area[kernel.facets]
-        for facet, share in zip(kernel.facets.T, (area / area.sum(axis=1, keepdims=True)).T):
-            np.add.at(state.moment, facet, (share / self.area[facet])[:, None, None] * tensor)
+        shares = (area / area.sum(axis=1, keepdims=True)).T
+        for facet, share, first in zip(kernel.facets.T, shares, (True, False)):
+            rate = self._fold_rates_of(self._places[kernel.conn], facet, np.full(len(facet), first))
+            work = share * moment / self.area[facet]
+            np.add.at(state.moment, facet, _tensor(rate, half_shear=True) * work[:, None, None])
             np.add.at(state.bending_energy, facet, share * energy)
 
     @cached_property
     def _places(self) -> Array:
-        """Places (rows, 2) in the drawing: of the mesh, and of what stands behind the nodes."""
-        rows = np.concatenate([self.results.rest, self.results.inner_rest])[:, :2]
-        rows[: len(self.mesh.nodes)] = self.mesh.nodes[:, :2]
+        """Places (rows, 3) in the drawing: of the mesh, and of what stands behind the nodes."""
+        rows = np.concatenate([self.results.rest, self.results.inner_rest])
+        rows[: len(self.mesh.nodes)] = self.mesh.nodes
         return rows
 
     def _add_held_edges(self, state: SheetState, kernel: HeldEdgeKernel, step: Step) -> None:
@@ -241,13 +254,15 @@ class StateReader:
             kernel, lambda: placed(np.sort(kernel.conn[:, :3], axis=1), np.sort(mesh.triangles, axis=1))
         )
         moment, energy = self.results.member_force(kernel, step), self.results.member_energy(kernel, step)
-        turning = mesh.nodes[kernel.conn[kernel.turn_of[:, None], kernel.turn_at], :2]
-        whole = np.concatenate([turning, _mirrored(turning)[:, None]], axis=1)  # the fold against the mirror image
-        folding = self._places[kernel.conn[kernel.fold_of[:, None], kernel.fold_at]]
-        for member, weight, rate in (
-            (kernel.turn_of, 0.5 * kernel.turn_weight, fold_curvature_rates(whole)),
-            (kernel.fold_of, kernel.fold_weight, fold_curvature_rates(folding)),
+        turning = mesh.nodes[kernel.conn[kernel.turn_of[:, None], kernel.turn_at]]
+        whole = turning[:, [0, 1, 2, 0]]  # the fold against the mirror image, laid out beyond the edge
+        folding = kernel.conn[kernel.fold_of[:, None], kernel.fold_at]
+        own = (folding[:, :1] == kernel.conn[kernel.fold_of, :3]).any(axis=1)  # whether the first wing is the facet's
+        for member, weight, places, first in (
+            (kernel.turn_of, 0.5 * kernel.turn_weight, whole, np.ones(len(whole), bool)),
+            (kernel.fold_of, kernel.fold_weight, self._places[folding], own),
         ):
+            rate = self._fold_rates_of(places, facet[member], first)
             work = weight * moment[member] / self.area[facet[member]]
             np.add.at(state.moment, facet[member], _tensor(rate, half_shear=True) * work[:, None, None])
         np.add.at(state.bending_energy, facet, energy)
@@ -296,7 +311,7 @@ class StateReader:
         return fit, fit.tensor(self.results.rest[: len(self.mesh.nodes)])
 
     def _surface_curvature(self, step: Step) -> Array:
-        """Curvature (m, 2, 2) in the axes of the drawing that the angles at the edges make."""
+        """Change of curvature (m, 2, 2) in the axes of the facets that the angles at the edges make."""
         mesh, (fit, at_rest) = self.mesh, self._curvature
         rest, u = self.results.rest[: len(mesh.nodes)], step.u[: len(mesh.nodes)]
         if not self.results.linear:
@@ -313,7 +328,7 @@ class StateReader:
 
 
 def state_reader(results: Results, mesh: TriMesh) -> StateReader:
-    """What reads the states of the sheet of some results, made from a flat mesh; one for all who ask."""
+    """What reads the states of the sheet of some results; one for all who ask."""
     return results.once("state reader", lambda: StateReader(results, mesh))
 
 
@@ -337,11 +352,3 @@ def _tensor(components: Array, half_shear: bool = False) -> Array:
     xx, yy, xy = components.T
     xy = 0.5 * xy if half_shear else xy
     return np.stack([np.stack([xx, xy], axis=-1), np.stack([xy, yy], axis=-1)], axis=-2)
-
-
-def _mirrored(corners: Array) -> Array:
-    """The first of three corners (n, 3, 2) mirrored at the line through the other two."""
-    wing, j, k = corners.transpose(1, 0, 2)
-    edge = k - j
-    foot = j + edge * (((wing - j) * edge).sum(axis=1) / (edge**2).sum(axis=1))[:, None]
-    return np.asarray(2 * foot - wing)

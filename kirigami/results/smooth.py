@@ -1,9 +1,10 @@
-"""Values of facets as smooth fields: means round each node, with the jumps kept across folds and cuts.
+"""Values of facets as smooth fields: means round each node, with the jumps kept across folds, cuts and steps.
 
 A facet knows its stress in the mean, and its neighbours' differ by the size of the mesh; the mean over the facets round
-a node, weighted with their areas, is better by an order where the field is smooth. Across a fold it is not, and across
-a cut there is nothing to average. So round each node the facets are parted into *sectors* by folds; the two lips of a
-cut have nodes of their own anyhow.
+a node, weighted with their areas, is better by an order where the field is smooth. Across a fold it is not, nor where
+thickness or material change, and across a cut there is nothing to average. So round each node the facets are parted
+into *sectors* by folds, edges that are sharp at rest and jumps of the section; the two lips of a cut have nodes of
+their own anyhow.
 """
 
 from __future__ import annotations
@@ -14,14 +15,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kirigami.errors import AnalysisError, KirigamiError
+from kirigami.geometry.folds import SHARP
 from kirigami.geometry.mesh import TriMesh
+from kirigami.geometry.topology import joined_corners
 from kirigami.primitives.kernel import Array
 from kirigami.results.results import Results
 from kirigami.results.stress import sheet_stress
 
 Index = NDArray[np.int64]
 SHOWN = 0.995  # share of the area over which colours span: at the tip of a cut all grows with every refinement
-SHARP = np.radians(30.0)  # angle at rest from which an edge is a fold and no bend of the surface
+JUMP = 0.3  # change of a section from facet to facet, over the section, from which on it is no smooth field
 
 
 @dataclass(frozen=True, eq=False)
@@ -85,36 +88,41 @@ def sectors(results: Results) -> Sectors:
 
 
 def _parted(results: Results, mesh: TriMesh) -> Sectors:
-    from scipy.sparse import coo_matrix
-    from scipy.sparse.csgraph import connected_components
-
-    smooth = np.flatnonzero((mesh.edge_facets[:, 1] >= 0) & ~folded_edges(results, mesh))
-    first, second = mesh.edge_facets[smooth].T
-    at, beside = [], []
-    for end in mesh.edges[smooth].T:
-        at.append(3 * first + np.argmax(mesh.triangles[first] == end[:, None], axis=1))
-        beside.append(3 * second + np.argmax(mesh.triangles[second] == end[:, None], axis=1))
-    rows, columns = np.concatenate(at), np.concatenate(beside)
-    size = mesh.triangles.size
-    joined = coo_matrix((np.ones(len(rows)), (rows, columns)), shape=(size, size))
-    count, label = connected_components(joined, directed=False)
-    node = np.empty(count, dtype=np.int64)
+    inner = mesh.edge_facets[:, 1] >= 0
+    joined = np.flatnonzero(inner & ~folded_edges(results, mesh) & ~_stepped_edges(results, mesh))
+    label = joined_corners(mesh.triangles, mesh.edges[joined], mesh.edge_facets[joined]).ravel()
+    node = np.empty(int(label.max()) + 1, dtype=np.int64)
     node[label] = mesh.triangles.ravel()
     order = np.argsort(node, kind="stable")
-    place = np.empty(count, dtype=np.int64)
-    place[order] = np.arange(count)
+    place = np.empty(len(node), dtype=np.int64)
+    place[order] = np.arange(len(node))
     return Sectors(place[label].reshape(-1, 3), node[order], np.asarray(mesh.facet_areas))
 
 
+def _stepped_edges(results: Results, mesh: TriMesh) -> NDArray[np.bool_]:
+    """Edges of the mesh (e,) where the section jumps, in the axes of the drawing: in those of facets a grain turns with
+    them."""
+    stepped = np.zeros(len(mesh.edges), bool)
+    if results.sheet_constants is None:
+        return stepped
+    inner = np.flatnonzero(mesh.edge_facets[:, 1] >= 0)
+    one, two = mesh.edge_facets[inner].T
+    section = results.sheet_constants.sections(len(mesh.triangles))
+    for part in (slice(0, 3), slice(3, 6)):  # stretching and bending
+        of_one, of_two = section[one, part, part], section[two, part, part]
+        stepped[inner] |= np.abs(of_one - of_two).max(axis=(1, 2)) > JUMP * np.abs(of_one).max(axis=(1, 2))
+    return stepped
+
+
 def folded_edges(results: Results, mesh: TriMesh) -> NDArray[np.bool_]:
-    """Which edges of the mesh (e,) are creases of shell facets, or fold sharply at rest."""
+    """Which edges of the mesh (e,) are folds or creases of shell facets, or fold sharply at rest."""
     rest = results.rest[: len(mesh.nodes)]
     corners = rest[mesh.triangles]
     normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     normal /= np.linalg.norm(normal, axis=1)[:, None]
     first, second = mesh.edge_facets.T
     inner = second >= 0
-    folded = inner & ((normal[first] * normal[second]).sum(axis=1) < np.cos(SHARP))
+    folded = mesh.edge_folded | (inner & ((normal[first] * normal[second]).sum(axis=1) < np.cos(SHARP)))
     for kernel in results.kernels:
         if kernel.name != "shell" or not np.array_equal(kernel.conn[:, :3], mesh.triangles):
             continue
@@ -135,7 +143,7 @@ def surface_stress(results: Results, step: int | None = None) -> Array:
     Parameters
     ----------
     results : Results
-        Of a model made from a flat mesh, whose thickness and material are known.
+        Of a model made from a mesh, whose thickness and material are known.
     step : int, optional
         Number of one stored step, (k,); None takes all of them.
 

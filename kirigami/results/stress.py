@@ -2,6 +2,10 @@
 
 Everything is counted from the rest state (an imperfection is stress-free) and given in the axes x, y of the drawing,
 which turn with the facet: second Piola-Kirchhoff stress and Green strain, the common ones as long as strains are small.
+Where a facet is not level in the drawing, as on a tube, its axes lie in its plane: the first is the projection of x,
+or of y where the facet stands on x, the second is a quarter turn from it about the normal; `SheetStress.axes` has them.
+Its top is the side of the normal, from which its corners run counter-clockwise. Principal values and von Mises' do not
+depend on that choice.
 
 * Forces N and moments M per length are those of the elements, and so are the energies
   (:mod:`kirigami.results.sheet_state`): over the sheet they do the work of the loads and hold the stored energy, on
@@ -26,7 +30,7 @@ from numpy.typing import NDArray
 
 from kirigami.elements.stiffness import Calibration, SheetConstants
 from kirigami.errors import AnalysisError, ModelError
-from kirigami.post.shape import check_flat, principal_values
+from kirigami.post.shape import principal_values
 from kirigami.primitives.checks import require_choice, require_instance, require_positive, require_whole
 from kirigami.primitives.material import Laminate, SheetMaterial
 from kirigami.results.sheet_state import SheetState, state_reader
@@ -42,7 +46,7 @@ FIBRES = {"bottom": -0.5, "middle": 0.0, "top": 0.5}  # place over the thickness
 
 @dataclass(frozen=True, eq=False)
 class SheetStress:
-    """Stress and deformation of every facet, in the axes x and y of the drawing.
+    """Stress and deformation of every facet, in the axes x and y of the drawing, or its own where it is not level.
 
     Leading axes of all arrays are (s, m), steps and facets, or (m,) for one step.
 
@@ -64,6 +68,8 @@ class SheetStress:
         Sheet thickness [length], or that of each facet.
     material : Material, Orthotropic, Laminate or tuple of them
         Elastic constants of the sheet, or of each facet.
+    axes : ndarray, shape (m, 2, 3)
+        Unit vectors in space of the axes of each facet, as drawn; see the text of the module.
     natural : ndarray, shape (s, m, 6)
         Strain and curvature (exx, eyy, gamma_xy, kxx, kyy, 2 kxy) at which facets bear nothing, by
         :class:`kirigami.Actuate`; nan on bars and hinges, where they are known of edges alone.
@@ -95,6 +101,7 @@ class SheetStress:
     area: Floats
     thickness: float | Floats
     material: SheetMaterial | tuple[SheetMaterial, ...]
+    axes: Floats
     natural: Floats | None = None
     heat: Floats | None = None
     layers: Floats | None = None
@@ -115,8 +122,8 @@ class SheetStress:
         Parameters
         ----------
         fibre : {"middle", "top", "bottom"}
-            Where in the thickness; the top is the face seen from above. Where facets have yielded, the stress is that
-            of the layers nearest to it.
+            Where in the thickness; the top is the face seen from above, on the side of the facet's normal. Where facets
+            have yielded, the stress is that of the layers nearest to it.
 
         Raises
         ------
@@ -185,7 +192,8 @@ class SheetStress:
         return principal_values(stress[..., 0, 0], stress[..., 1, 1], stress[..., 0, 1])
 
     def directions(self, fibre: str = "middle") -> Floats:
-        """Unit vectors (s, m, 2, 2) of the principal stresses in the drawing, one a row, as in `principal`."""
+        """Unit vectors (s, m, 2, 2) of the principal stresses in the drawing, one a row, as in `principal`; ``@ axes``
+        makes them vectors in space, where the facet was drawn."""
         stress = self.tensor(fibre)
         angle = 0.5 * np.arctan2(2 * stress[..., 0, 1], stress[..., 0, 0] - stress[..., 1, 1])
         first = np.stack([np.cos(angle), np.sin(angle)], axis=-1)
@@ -224,7 +232,7 @@ def sheet_stress(
     Parameters
     ----------
     results : Results
-        Results of a model made from a flat mesh, on any rung of accuracy.
+        Results of a model made from a mesh, flat or curved, on any rung of accuracy.
     step : int, optional
         Number of one stored step; None takes all of them.
     thickness : float, optional
@@ -242,7 +250,22 @@ def sheet_stress(
     AnalysisError
         The model was not made from a mesh.
     ModelError
-        No such step, no thickness or material, or a mesh that is not flat.
+        No such step, no thickness or material.
+
+    Examples
+    --------
+    A tube under pressure has p r / t round it.
+
+    >>> import kirigami as kg, numpy as np
+    >>> angle, along = np.meshgrid(np.arange(24) * np.pi / 12, np.linspace(0, 1, 5), indexing="ij")
+    >>> places = np.stack([np.cos(angle), np.sin(angle), along], axis=-1).reshape(-1, 3)
+    >>> start = [(5 * i + j, 5 * ((i + 1) % 24) + j) for i in range(24) for j in range(4)]
+    >>> mesh = kg.TriMesh(places, [facet for a, b in start for facet in ((a, b, b + 1), (a, b + 1, a + 1))])
+    >>> m = kg.Model.from_mesh(mesh, thickness=0.01, material=kg.Material(E=1e6), stiffness="shell")
+    >>> held = m.add(kg.Fix(m.nodes, "z"), kg.Fix(m.nodes[0], "y"), kg.Fix(m.nodes[30], "xy"), kg.Pressure(1.0))
+    >>> stress = kg.LinearStatic(m).run().stress(-1)
+    >>> bool(np.allclose(stress.principal()[:, 0], 100, rtol=0.01))
+    True
     """
     from kirigami.results.results import Results
 
@@ -253,7 +276,6 @@ def sheet_stress(
     mesh = results.mesh
     if mesh is None:
         raise AnalysisError("stress needs a model made by Model.from_mesh", results=results)
-    check_flat(mesh, "stress")
     height = results.thickness if thickness is None else thickness
     made_of = results.material if material is None else material
     if height is None or made_of is None:
@@ -269,7 +291,7 @@ def sheet_stress(
     elif not states:
         shapes = {"natural": (6,), "heat": (2,), "membrane_energy": (), "bending_energy": ()}
         parts = {name: np.zeros((0, len(mesh.triangles), *shapes.get(name, (2, 2)))) for name in names}
-    found = SheetStress(**parts, area=reader.area, thickness=height, material=made_of)
+    found = SheetStress(**parts, area=reader.area, thickness=height, material=made_of, axes=reader.axes)
     if results.linear or not any(kernel.surface and kernel.plastic() is not None for kernel in results.kernels):
         return found
     elastic = np.stack([found.tensor(fibre) for fibre in FIBRES], axis=-4)
@@ -322,7 +344,7 @@ def plot_stress(
     AnalysisError
         The model was not made from a mesh.
     ModelError
-        No such step, kind or fibre, no thickness or material, or a mesh that is not flat.
+        No such step, kind or fibre, no thickness or material.
     """
     from kirigami.results.smooth import sectors
 
