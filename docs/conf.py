@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import contextlib
+import io
+import os
 import re
 import sys
 from pathlib import Path
@@ -14,6 +17,7 @@ import notebooks  # noqa: E402
 import reference  # noqa: E402
 
 import kirigami  # noqa: E402
+from kirigami.cli import main  # noqa: E402
 
 # Pages are written to be read where they lie. What the site has in another form is made here: tutorials are scripts,
 # shown as notebooks that are run while it is built; each name of the reference has a page of its own.
@@ -105,6 +109,36 @@ def attributes_one_by_one(app: Any, what: str, name: str, item: Any, options: An
     lines[:] = shown
 
 
+# What the site has beyond the files, which are to be read where they lie and hold no directives.
+PAGES = """tutorials overview scope drawings command_line maker_session formulas shell yield motion self_contact cells
+    design speed validation api developer licences changelog""".split()
+TREES = {
+    "index": "\n".join(["```{toctree}", ":hidden:", "", *PAGES, "```"]),
+    "tutorials": "\n".join(["```{toctree}", ":glob:", ":hidden:", ":titlesonly:", "", "tutorials/*", "```"]),
+}
+
+
+def all_options() -> str:
+    """What the command line says of each command."""
+    os.environ["COLUMNS"] = "100"
+    parts = ["## All options, as the program prints them"]
+    for command in ("demo", "info", "mesh", "stretch", "accuracy", "export"):
+        said = io.StringIO()
+        with contextlib.redirect_stdout(said), contextlib.suppress(SystemExit):
+            main([command, "--help"])
+        parts.append(f"### kirigami {command}\n\n```text\n{said.getvalue()}```")
+    return "\n\n".join(parts)
+
+
+def names_linked(text: str) -> str:
+    """Public names in a page, outside of code, as links to what the reference says of them."""
+    parts = re.split(r"(^```.*?^```$)", text, flags=re.DOTALL | re.MULTILINE)
+    return "".join(
+        part if number % 2 else re.sub(r"`kg\.(\w+)`", r"{py:obj}`kg.\1 <kirigami.\1>`", part)
+        for number, part in enumerate(parts)
+    )
+
+
 # Where links of the files lead on the site.
 LINKS = [
     (r"\]\(\.\./tutorials/(\w+)\.py\)", r"](tutorials/\1)"),
@@ -115,13 +149,19 @@ LINKS = [
 ]
 
 
-def links_of_the_site(app: Any, page: str, source: list[str]) -> None:
-    """Links between files, as a code host follows them, become links between pages."""
+def as_on_the_site(app: Any, page: str, source: list[str]) -> None:
+    """Links between files, as a code host follows them, become links between pages, and names ones to the reference."""
     for pattern, there in LINKS:
         source[0] = re.sub(pattern, there, source[0])
+    if page in TREES:
+        source[0] += f"\n{TREES[page]}\n"
+    if page == "command_line":
+        source[0] += f"\n{all_options()}\n"
+    if "/" not in page and page != "api":
+        source[0] = names_linked(source[0])
 
 
 def setup(app: Any) -> None:
     app.connect("autodoc-process-docstring", attributes_one_by_one, priority=400)  # before napoleon reads them
-    app.connect("source-read", links_of_the_site)
+    app.connect("source-read", as_on_the_site)
     app.connect("autodoc-process-docstring", formulas_as_written)

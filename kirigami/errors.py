@@ -11,6 +11,7 @@ def nearest_name(word: str, known: Iterable[str]) -> str | None:
 
     Examples
     --------
+    >>> from kirigami.errors import nearest_name
     >>> nearest_name("Modle", ["Mode", "Model"]), nearest_name("standart", ["draft", "standard"])
     ('Model', 'standard')
     """

@@ -47,6 +47,8 @@ def whole_file(path: str | os.PathLike[str]) -> Iterator[Path]:
 
     Examples
     --------
+    >>> from pathlib import Path
+    >>> from kirigami.files import whole_file
     >>> import tempfile
     >>> folder = Path(tempfile.mkdtemp())
     >>> with whole_file(folder / "curve.csv") as unfinished:
@@ -130,6 +132,7 @@ def library(name: str, purpose: str, extra: str = "io") -> Any:
 
     Examples
     --------
+    >>> from kirigami.files import library
     >>> library("json", "nothing at all").dumps([1])
     '[1]'
     """

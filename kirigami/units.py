@@ -50,6 +50,7 @@ def metres_per(unit: str) -> float:
 
     Examples
     --------
+    >>> from kirigami.units import metres_per
     >>> metres_per("mm")
     0.001
     """
@@ -73,6 +74,7 @@ def parse(text: str | float, kind: str) -> float:
 
     Examples
     --------
+    >>> from kirigami.units import parse
     >>> parse("0.1mm", "length"), parse("3.5 GPa", "stress"), parse("20%", "ratio")
     (0.0001, 3500000000.0, 0.2)
     """
@@ -116,6 +118,7 @@ def show(value: float, kind: str) -> str:
 
     Examples
     --------
+    >>> from kirigami.units import show
     >>> show(1e-4, "length"), show(3.5e9, "stress"), show(0.2, "ratio")
     ('0.1 mm', '3.5 GPa', '20 %')
     """
@@ -141,6 +144,7 @@ def unit_for(value: float, kind: str) -> tuple[str, float]:
 
     Examples
     --------
+    >>> from kirigami.units import unit_for
     >>> unit_for(0.02, "length"), unit_for(3e7, "stress")
     (('mm', 0.001), ('MPa', 1000000.0))
     """
@@ -163,6 +167,7 @@ def doubts(*, thickness: float, size: float, E: float, strain: float) -> list[st
 
     Examples
     --------
+    >>> from kirigami.units import doubts
     >>> doubts(thickness=1e-4, size=0.2, E=3.5e9, strain=0.2)
     []
     >>> doubts(thickness=0.1, size=0.2, E=3.5e9, strain=20)

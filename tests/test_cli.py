@@ -15,8 +15,9 @@ import pytest
 import kirigami as kg
 from kirigami import cli
 from kirigami.analysis.path.methods import PathAnalysis
-from kirigami.cli import demo
+from kirigami.cli import demo, export
 from kirigami.cli.options import in_words_of_the_command
+from kirigami.plot import deformed
 
 DRAWINGS = Path(__file__).parent / "data" / "drawings"
 PLATE = str(DRAWINGS / "inkscape_layers_mm.svg")  # 120 x 80 mm, three slits and a hole
@@ -371,6 +372,11 @@ def test_info_draws_what_was_understood(
     assert cli.main(["info", PLATE]) == 0
     said = capsys.readouterr()
     assert "not drawn" in said.err and "taken as" in said.out
+
+
+def test_pictures_are_coloured_by_all_that_there_is() -> None:
+    """Plastic strain was to be had in a script only."""
+    assert set(export.COLORS) == {*deformed.LABELS, "none"}
 
 
 @pytest.mark.parametrize(

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import ast
+import builtins
 import configparser
+import doctest
 import re
 import sys
 from pathlib import Path
@@ -14,6 +17,7 @@ import kirigami as kg
 ROOT = Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(ROOT / "tools"))
 
+import formulas  # noqa: E402
 import reference  # noqa: E402
 
 PAGES = sorted([*(ROOT / "docs").glob("*.md"), ROOT / "README.md", ROOT / "tutorials" / "README.md"])
@@ -43,9 +47,21 @@ def test_links_lead_somewhere(page: Path) -> None:
 
 @pytest.mark.parametrize("page", WRITTEN, ids=[page.name for page in WRITTEN])
 def test_pages_say_something_without_a_build(page: Path) -> None:
-    """What a code host shows of a page beside directives, cells and code is more than a headline."""
-    text = re.sub(r"^---\n.*?^---\n|^```.*?^```", "", page.read_text(encoding="utf-8"), flags=re.DOTALL | re.MULTILINE)
+    """What a code host shows of a page is more than a headline, and none of it was written for the site's builder."""
+    written = page.read_text(encoding="utf-8")
+    text = re.sub(r"^```.*?^```", "", written, flags=re.DOTALL | re.MULTILINE)
     assert len(text.split()) > 40
+    assert not re.search(r"^```\{|^---$|\{[\w:]+\}`", written, re.MULTILINE)
+
+
+def test_the_formulas_are_those_at_the_head_of_the_files() -> None:
+    assert formulas.PAGE.read_text(encoding="utf-8") == formulas.page(), "run: python tools/formulas.py"
+
+
+def test_every_page_stands_in_the_contents_of_the_site() -> None:
+    (listed,) = re.findall(r'^PAGES = """(.*?)"""', (ROOT / "docs" / "conf.py").read_text(), re.DOTALL | re.MULTILINE)
+    there = {page.stem for page in WRITTEN if page.parent.name == "docs"} - {"index", "reference"}
+    assert set(listed.split()) == there | {page.partition(".")[0] for page in MADE}
 
 
 def test_tutorials_are_numbered_and_listed() -> None:
@@ -58,6 +74,43 @@ def test_tutorials_are_numbered_and_listed() -> None:
     for name in scripts:
         first = (ROOT / "tutorials" / name).read_text(encoding="utf-8").splitlines()[1]
         assert first.startswith(f"# # {int(name[:2])}. ")
+
+
+def _examples() -> dict[str, ast.Module]:
+    """The example of each docstring of the package, by place."""
+    found = {}
+    for file in sorted((ROOT / "kirigami").rglob("*.py")):
+        for item in ast.walk(ast.parse(file.read_text(encoding="utf-8"))):
+            if isinstance(item, ast.Module | ast.ClassDef | ast.FunctionDef):
+                lines = doctest.DocTestParser().get_examples(ast.get_docstring(item) or "")
+                if lines:
+                    name = f"{file.relative_to(ROOT)}: {getattr(item, 'name', 'module')}"
+                    found[name] = ast.parse("".join(line.source for line in lines))
+    return found
+
+
+def _bound(item: ast.AST) -> set[str]:
+    """Names that a part of a program gives."""
+    if isinstance(item, ast.Import | ast.ImportFrom):
+        return {(name.asname or name.name).partition(".")[0] for name in item.names}
+    if isinstance(item, ast.Name) and not isinstance(item.ctx, ast.Load):
+        return {item.id}
+    if isinstance(item, ast.FunctionDef | ast.ClassDef | ast.ExceptHandler):
+        return {item.name or ""}
+    return {item.arg} if isinstance(item, ast.arg) else set()
+
+
+def test_examples_run_from_what_they_import_and_reach_public_names_as_a_user_does() -> None:
+    """Some used names of the module they stand in, so that who copied them met a NameError."""
+    examples = _examples()
+    assert len(examples) > 200
+    for place, example in examples.items():
+        parts = list(ast.walk(example))
+        given = set(dir(builtins)).union(*map(_bound, parts))
+        used = {item.id for item in parts if isinstance(item, ast.Name)}
+        assert used <= given, f"{place}: import {sorted(used - given)}"
+        deep = {name.name for item in parts if isinstance(item, ast.ImportFrom) for name in item.names}
+        assert not deep & set(kg.__all__), f"{place}: say kg.{sorted(deep & set(kg.__all__))[0]}"
 
 
 def test_every_package_that_is_asked_for_has_its_licence_told() -> None:

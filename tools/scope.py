@@ -134,18 +134,18 @@ HEADINGS = {
 }
 BEYOND = """\
 * **Large strain of anything but rubber.** Sheets turn and bend as far as they like, but beside
-  {py:class}`kirigami.NeoHookean` the law between Green's strain and stress is linear, or plastic: what is stretched by
+  `kg.NeoHookean` the law between Green's strain and stress is linear, or plastic: what is stretched by
   more than some percent is not told rightly.
-* **Cracks.** Cuts do not grow and nothing tears. {py:class}`kirigami.Results` gives stresses to judge by.
+* **Cracks.** Cuts do not grow and nothing tears. `kg.Results` gives stresses to judge by.
 * **Thick sheets.** Sheets do not shear across their thickness, nor do they get thinner: a cut's ligament is to be
   several thicknesses wide.
-* **Contact by itself.** Without {py:class}`kirigami.SelfContact` facets pass through each other, which an event
-  "crossing" tells, and without {py:class}`kirigami.Contact` there is no floor.
+* **Contact by itself.** Without `kg.SelfContact` facets pass through each other, which an event
+  "crossing" tells, and without `kg.Contact` there is no floor.
 * **Creep and relaxation.** Stress does not fade with time; motions are damped by Rayleigh's two numbers.
 * **Heat that flows, fluids that flow.** Temperatures are given. The pressure of a flow is a formula of the slope of
-  each facet: no wake, no lee, no waves; {py:class}`kirigami.FlowPressure` says which.
+  each facet: no wake, no lee, no waves; `kg.FlowPressure` says which.
 * **Electric and magnetic fields.** A sheet that they drive is driven by the strains they make, by
-  {py:class}`kirigami.Actuate`.
+  `kg.Actuate`.
 """
 
 Trial = dict[str, tuple[str, str]]  # of each column: "yes", "no", "but" or "-", and what was said
@@ -221,7 +221,7 @@ def rows() -> dict[str, list[tuple[str, str, Trial]]]:
 
 
 def label(name: str, remark: str) -> str:
-    return f"{{py:class}}`kirigami.{name}`" + (f", {remark}" if remark else "")
+    return f"`kg.{name}`" + (f", {remark}" if remark else "")
 
 
 def prices() -> dict[tuple[str, str], dict[str, str]]:
@@ -266,7 +266,7 @@ HEAD = """\
 This page is made by `tools/scope.py`, which puts every object on a small sheet on every rung: **yes** is taken, **no**
 is refused and **but** is taken with a warning, both with the sentence quoted below, **-** does not arise. "plane" is a
 sheet that stays in its plane (`dim=2`, of bars); "paper" and "plate" are bars and hinges, "facet" and "shell" facets:
-see {py:mod}`kirigami.stiffness`.
+see `kg.stiffness`.
 """
 PRICE_HEAD = """\
 ## What it costs
@@ -280,7 +280,7 @@ what the ratios are good to. An effect that a scene does not have costs nothing:
 
 def _without_links(text: str) -> str:
     """Docstring markup as the page's."""
-    return " ".join(text.split()).replace(":class:`", "{py:class}`kirigami.").replace("``", "`")
+    return " ".join(text.split()).replace(":class:`", "`kg.").replace("``", "`")
 
 
 def _first(said: str, column: str) -> str:

@@ -19,10 +19,11 @@ from kirigami.cli import accuracy, demo, export, info, mesh, stretch
 from kirigami.cli.options import in_words_of_the_command
 
 DESCRIPTION = """\
-Mechanics of cut sheets by bars and hinges.
+Mechanics of cut sheets.
 
-Draw an outline and cuts, clamp the sheet and stretch it: kirigami follows its path through
-buckling and gives forces, shapes and open areas."""
+Draw an outline and cuts, clamp the sheet, pull, twist, lift: kirigami follows it through buckling
+and snapping, and says what force that takes, what shape comes of it, and how far both can be
+trusted."""
 
 EPILOG = """\
 examples:
@@ -46,6 +47,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
     Examples
     --------
+    >>> from kirigami.cli import main
     >>> main(["--version"])
     Traceback (most recent call last):
     SystemExit: 0

@@ -11,8 +11,7 @@ from kirigami.files import whole_file
 
 DESCRIPTION = """\
 Stretch one sheet on several meshes with every rung of accuracy, from bars and hinges to shell
-facets, and compare errors with seconds. Without a drawing it takes
-a built-in strip with one slit.
+facets, and compare errors with seconds. Without a drawing it takes a built-in strip with one slit.
 
 Writes a folder: study.csv (every run), study.md (a table to copy), study.png (error against
 seconds). Run again after an interruption, it goes on where it was."""
@@ -42,7 +41,13 @@ def add(commands: Any) -> None:
         "--strain", type=quantity("ratio"), default=0.01, metavar="RATIO", help="strain to reach (default: 1%%)"
     )
     parser.add_argument("--direction", choices=("y", "x"), default="y", help="of the pull (default: %(default)s)")
-    parser.add_argument("--sizes", type=length, nargs="+", metavar="LENGTH", help="largest mesh edges")
+    parser.add_argument(
+        "--sizes",
+        type=length,
+        nargs="+",
+        metavar="LENGTH",
+        help="largest mesh edges (default: a fifth, a seventh and a tenth of the shorter side)",
+    )
     parser.add_argument(
         "--stiffness", nargs="+", default=["plate", "facet", "shell"], metavar="RUNG", help="default: plate facet shell"
     )

@@ -25,6 +25,9 @@ examples:
   kirigami export plate.svg plate.dxf --kerf 0.2mm"""
 
 
+COLORS = ("height", "displacement", "energy", "stress", "plastic strain", "force", "strain", "none")
+
+
 def add(commands: Any) -> None:
     """Options of ``kirigami export``."""
     parser = add_command(
@@ -48,8 +51,8 @@ def add(commands: Any) -> None:
         "--step", type=int, default=-1, metavar="N", help="step of pictures, surfaces and .fold (default: the last)"
     )
     shown.add_argument(
-        "--color", choices=("height", "displacement", "energy", "stress", "force", "strain", "none"),
-        help="of pictures and films (default: height of sheets, force of bars)",
+        "--color", choices=COLORS, metavar="FIELD",
+        help=f"of pictures and films: {', '.join(COLORS[:-1])} (of bars) or none (default: height; force of bars)",
     )  # fmt: skip
     shown.add_argument("--view", choices=("top", "3d"), help="of pictures and films (default: 3d of what is in space)")
     shown.add_argument("--frames", type=int, default=40, metavar="N", help="pictures in a film (default: %(default)s)")

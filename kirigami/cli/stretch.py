@@ -142,7 +142,7 @@ def add(commands: Any) -> None:
     work.add_argument(
         "--max-edge", type=positive, metavar="LENGTH", help="longest edge of the mesh, instead of a budget"
     )
-    work.add_argument("--stiffness", metavar="NAME", help="plate, facet, ... (default: that of the accuracy)")
+    work.add_argument("--stiffness", metavar="NAME", help="plate, facet or shell (default: that of the accuracy)")
     work.add_argument(
         "--imperfection",
         type=length,

@@ -58,7 +58,7 @@ class Design:
         :func:`kirigami.stretch`, and :meth:`export` writes it with the drawing.
     thickness : float, tuple or callable
         Thickness [length], a function of parameters, or ``(start, low, high)``, which makes it a parameter.
-    material : Material, Orthotropic, Laminate or callable
+    material : Material, Orthotropic, Laminate, NeoHookean or callable
         The material, or a function of parameters.
     folds : Fold, sequence of Folds, or callable
         Creases, as of a :class:`Sheet`, or a function of parameters that returns them: as many, with as many corners.

@@ -36,6 +36,7 @@ def read_drawing(path: str | os.PathLike[str], **options: Any) -> Drawing:
 
     Examples
     --------
+    >>> from kirigami.drawing.convert import read_drawing
     >>> read_drawing("plate.step")
     Traceback (most recent call last):
     kirigami.errors.GeometryError: plate.step: drawings end in .dxf, .svg, .geojson, .json, .fold
@@ -69,6 +70,8 @@ def write_drawing(item: Any, path: str | os.PathLike[str], unit: str = "m", kerf
 
     Examples
     --------
+    >>> from pathlib import Path
+    >>> from kirigami.drawing.convert import write_drawing
     >>> import tempfile, shapely, kirigami as kg
     >>> plate = kg.Sheet(shapely.box(0, 0, 1, 1))
     >>> write_drawing(plate, Path(tempfile.mkdtemp()) / "plate.geojson").name

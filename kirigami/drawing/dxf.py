@@ -92,6 +92,8 @@ def read_dxf(
 
     Examples
     --------
+    >>> from kirigami.drawing.drawing import Drawing
+    >>> from kirigami.drawing.dxf import read_dxf, write_dxf
     >>> import shapely, tempfile
     >>> from pathlib import Path
     >>> plate = Drawing(shapely.box(0, 0, 0.2, 0.1), (shapely.LineString([(0.05, 0.05), (0.15, 0.05)]),), unit="m")
@@ -334,6 +336,9 @@ def write_dxf(
 
     Examples
     --------
+    >>> from pathlib import Path
+    >>> from kirigami.drawing.drawing import Drawing
+    >>> from kirigami.drawing.dxf import write_dxf
     >>> import shapely, tempfile
     >>> plate = Drawing(shapely.box(0, 0, 1, 1), ())
     >>> write_dxf(plate, Path(tempfile.mkdtemp()) / "plate.dxf").name

@@ -75,6 +75,10 @@ def read_fold(
 
     Examples
     --------
+    >>> from pathlib import Path
+    >>> import shapely
+    >>> from kirigami.drawing.drawing import Drawing
+    >>> from kirigami.drawing.fold import read_fold, write_fold
     >>> import tempfile
     >>> plate = Drawing(shapely.box(0, 0, 2, 1), (shapely.LineString([(0.5, 0.5), (1.5, 0.5)]),), unit="m")
     >>> drawing = read_fold(write_fold(plate, Path(tempfile.mkdtemp()) / "plate.fold"))
@@ -148,8 +152,12 @@ def write_fold(
 
     Examples
     --------
+    >>> import json
+    >>> from pathlib import Path
+    >>> import kirigami as kg
+    >>> from kirigami.drawing.fold import write_fold
     >>> import tempfile
-    >>> mesh = TriMesh([(0, 0), (1, 0), (1, 1), (0, 1)], [(0, 1, 2), (0, 2, 3)])
+    >>> mesh = kg.TriMesh([(0, 0), (1, 0), (1, 1), (0, 1)], [(0, 1, 2), (0, 2, 3)])
     >>> file = write_fold(mesh, Path(tempfile.mkdtemp()) / "square.fold")
     >>> json.loads(file.read_text())["edges_assignment"]
     ['B', 'F', 'B', 'B', 'B']

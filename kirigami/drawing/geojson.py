@@ -70,6 +70,10 @@ def read_geojson(
 
     Examples
     --------
+    >>> from pathlib import Path
+    >>> import shapely
+    >>> from kirigami.drawing.drawing import Drawing
+    >>> from kirigami.drawing.geojson import read_geojson, write_geojson
     >>> import tempfile
     >>> plate = Drawing(shapely.box(0, 0, 2, 1), (shapely.LineString([(0.5, 0.5), (1.5, 0.5)]),), unit="m")
     >>> read_geojson(write_geojson(plate, Path(tempfile.mkdtemp()) / "plate.geojson")).outline.area
@@ -150,6 +154,10 @@ def write_geojson(sheet: Any, path: str | os.PathLike[str], *, unit: str = "m", 
 
     Examples
     --------
+    >>> from pathlib import Path
+    >>> import shapely
+    >>> from kirigami.drawing.drawing import Drawing
+    >>> from kirigami.drawing.geojson import write_geojson
     >>> import tempfile
     >>> plate = Drawing(shapely.box(0, 0, 2, 1), ())
     >>> write_geojson(plate, Path(tempfile.mkdtemp()) / "plate.geojson").name

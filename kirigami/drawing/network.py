@@ -86,6 +86,8 @@ def network(lines: Sequence[Floats], tolerance: float) -> Network:
 
     Examples
     --------
+    >>> import numpy as np
+    >>> from kirigami.drawing.network import network
     >>> cross = network([np.array([(0.0, 1.0), (2.0, 1.0)]), np.array([(1.0, 0.0), (1.0, 2.0)])], 1e-5)
     >>> len(cross.pairs), len(cross.of_line(0)), cross.faces(slice(None))
     (4, 2, [])

@@ -91,6 +91,9 @@ def read_svg(
 
     Examples
     --------
+    >>> from pathlib import Path
+    >>> from kirigami.drawing.drawing import Drawing
+    >>> from kirigami.drawing.svg import read_svg, write_svg
     >>> import shapely, tempfile
     >>> plate = Drawing(shapely.box(0, 0, 0.2, 0.1), (shapely.LineString([(0.05, 0.05), (0.15, 0.05)]),), unit="m")
     >>> drawing = read_svg(write_svg(plate, Path(tempfile.mkdtemp()) / "plate.svg"))
@@ -300,6 +303,9 @@ def write_svg(
 
     Examples
     --------
+    >>> from pathlib import Path
+    >>> from kirigami.drawing.drawing import Drawing
+    >>> from kirigami.drawing.svg import write_svg
     >>> import shapely, tempfile
     >>> plate = Drawing(shapely.box(0, 0, 1, 1), ())
     >>> write_svg(plate, Path(tempfile.mkdtemp()) / "plate.svg").read_text().count("<path")

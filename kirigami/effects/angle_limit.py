@@ -53,11 +53,10 @@ class AngleLimit(ModelObject):
     Examples
     --------
     >>> import kirigami as kg
-    >>> from kirigami.effects.angle_limit import AngleLimit
     >>> m = kg.Model(dim=2)
     >>> i, j, k = m.add(kg.Node(0, 1), kg.Node(0, 0), kg.Node(1, 0))
     >>> objects = m.add(kg.Bar(i, j, 1e7), kg.Bar(j, k, 1e7), kg.TorsionSpring3(i, j, k, 1.0), kg.Fix([j, k]))
-    >>> objects = m.add(AngleLimit(i, j, k, stiffness=1e3, minimum=1.0), kg.Prescribe(i, x=0.8))
+    >>> objects = m.add(kg.AngleLimit(i, j, k, stiffness=1e3, minimum=1.0), kg.Prescribe(i, x=0.8))
     >>> res = kg.DisplacementControl(m).run()
     >>> [round(float(res.energy["angle limits"][step]), 0) for step in (0, -1)]
     [0.0, 60.0]

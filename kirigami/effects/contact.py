@@ -59,10 +59,11 @@ class Contact(ModelObject):
     offset : float
         Distance the nodes keep from the surface, such as half the thickness of a sheet [length].
     stiffness : float, optional
-        Force per depth at each node [force / length]; None takes a hundred times the stiffest bar at the node.
+        Force per depth at each node [force / length]; None takes a hundred times the stiffness of the
+        elements at the node.
     layer : float, optional
         Thickness of the layer above the surface (and the offset) in which the force sets in [length]; None takes a
-        thousandth of the median length of the bars at the nodes.
+        thousandth of the median distance of the nodes from their neighbours.
     friction : float
         Coefficient of friction (Coulomb): a node is held back by at most this times the force that presses it, and
         slips by up to the layer before it slides. The force that presses is that of the last equilibrium. Results
@@ -72,19 +73,19 @@ class Contact(ModelObject):
     ------
     ModelError
         Empty selection, no such surface, a value out of range; when a system is made: a node inside the surface at
-        rest, a surface that does not fit a model with dim=2, a node without a bar if stiffness or layer is left out.
+        rest, a surface that does not fit a model with dim=2, a node without an element if stiffness or layer is
+        left out.
 
     Examples
     --------
     A rod is pushed against a wall that is 0.1 away, and then by 0.01 more:
 
     >>> import kirigami as kg
-    >>> from kirigami.effects.contact import Contact, Plane
     >>> from kirigami.results.contact import normal_forces, penetration
     >>> m = kg.Model(dim=2)
     >>> a, b = m.add(kg.Node(0, 0), kg.Node(1, 0))
     >>> objects = m.add(kg.Bar(a, b, EA=10.0), kg.Fix([a, b], "y"), kg.Prescribe(a, x=0.11))
-    >>> wall = m.add(Contact(b, Plane((1.1, 0), normal=(-1, 0))))
+    >>> wall = m.add(kg.Contact(b, kg.Plane((1.1, 0), normal=(-1, 0))))
     >>> res = kg.DisplacementControl(m).run()
     >>> [round(float(force), 2) for force in normal_forces(res)[[0, -1], 0]], float(penetration(res).max())
     ([0.0, 0.1], 0.0)

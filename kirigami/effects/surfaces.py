@@ -41,7 +41,8 @@ class Plane:
 
     Examples
     --------
-    >>> Plane((0, 0, -1), normal=(0, 0, 2))
+    >>> import kirigami as kg
+    >>> kg.Plane((0, 0, -1), normal=(0, 0, 2))
     Plane(point=(0.0, 0.0, -1.0), normal=(0.0, 0.0, 1.0))
     """
 
@@ -73,7 +74,8 @@ class Cylinder:
 
     Examples
     --------
-    >>> Cylinder((0, 0, -2), axis=(0, 3, 0), radius=2)
+    >>> import kirigami as kg
+    >>> kg.Cylinder((0, 0, -2), axis=(0, 3, 0), radius=2)
     Cylinder(point=(0.0, 0.0, -2.0), axis=(0.0, 1.0, 0.0), radius=2.0)
     """
 
@@ -105,7 +107,8 @@ class Sphere:
 
     Examples
     --------
-    >>> Sphere((0, 0, -2), radius=2)
+    >>> import kirigami as kg
+    >>> kg.Sphere((0, 0, -2), radius=2)
     Sphere(center=(0.0, 0.0, -2.0), radius=2.0)
     """
 

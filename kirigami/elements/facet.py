@@ -10,7 +10,8 @@
 * Where thickness or material change at an edge, both facets bend by the same moment: A' counts by D / D' of the two.
 * A free or cut edge has no fold angle. It carries no moment either, so its angle is eliminated by that condition.
 
-On irregular meshes the mean curvature is right within some percent, not in the limit: see ``CurvedFacet`` for that.
+On irregular meshes the mean curvature is right within some percent, not in the limit: that is what
+:class:`kirigami.ShellFacet` is for.
 """
 
 from __future__ import annotations

@@ -51,6 +51,7 @@ class MeshBias:
 
     Examples
     --------
+    >>> from kirigami.elements.mesh_bias import MeshBias
     >>> import kirigami as kg
     >>> squares = kg.TriMesh([(0, 0), (1, 0), (1, 1), (0, 1)], [(0, 1, 2), (0, 2, 3)])
     >>> low, high = MeshBias(squares).edges

@@ -46,7 +46,7 @@ class ShellFacet(ModelObject):
         Corners, counter-clockwise seen from the side of the normal.
     thickness : float
         Sheet thickness [length].
-    material : Material, Orthotropic or Laminate
+    material : Material, Orthotropic, Laminate or NeoHookean
         Elastic constants.
     normals : array_like, shape (3, 3), optional
         Normals of a curved rest surface at the corners, of any length. None takes the mean of the facets around a

@@ -56,7 +56,10 @@ def rung_named(stiffness: str, owner: str) -> str:
 
 @dataclass(frozen=True)
 class Calibration:
-    """Factors of the bar and hinge constants; see the module's text.
+    """Factors of your own for the constants of bars and hinges, in the place of "plate" or "paper".
+
+    Bars have EA = F_s E t (A1 + A2) / L, hinges k = c E t^3 L^2 / (A1 + A2), with the areas of the facets at an edge of
+    length L (:mod:`kirigami.stiffness`).
 
     Parameters
     ----------

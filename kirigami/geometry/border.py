@@ -48,6 +48,8 @@ def repeated_border(mesh: TriMesh, lattice: Array) -> tuple[Index, Index]:
 
     Examples
     --------
+    >>> import numpy as np
+    >>> from kirigami.geometry.border import repeated_border
     >>> import kirigami as kg
     >>> mesh = kg.TriMesh([(0, 0), (1, 0), (1, 1), (0, 1)], [(0, 1, 2), (0, 2, 3)])
     >>> repeated_border(mesh, np.array([[1.0, 0, 0], [0, 1, 0]]))[0].tolist()

@@ -137,6 +137,8 @@ def clean(
 
     Examples
     --------
+    >>> import shapely
+    >>> from kirigami.geometry.clean import clean
     >>> drawing = clean(shapely.box(0, 0, 4, 2), [shapely.LineString([(1, 1), (3, 1)])])
     >>> len(drawing.edges), drawing.area
     (5, 0.5)

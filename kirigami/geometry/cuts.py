@@ -84,11 +84,11 @@ def curved_cells(
 
     Examples
     --------
-    >>> from kirigami.geometry.sheet import Sheet
-    >>> cuts = curved_cells(2, 5)
+    >>> import shapely, kirigami as kg
+    >>> cuts = kg.cuts.curved_cells(2, 5)
     >>> len(cuts)  # 5 rows of 2 arcs bent up, 6 rows of 1 arc and 2 half arcs bent down
     28
-    >>> Sheet(shapely.box(0, 0, 2, 2.4), cuts)
+    >>> kg.Sheet(shapely.box(0, 0, 2, 2.4), cuts)
     Sheet(2 x 2.4, area 4.8, 28 slits, 0 openings)
     """
     _counts("curved_cells", cells_across=cells_across, cells_along=cells_along)
@@ -160,7 +160,8 @@ def parallel_slits(
 
     Examples
     --------
-    >>> [round(cut.length, 3) for cut in parallel_slits(columns=1, rows=3)]
+    >>> import kirigami as kg
+    >>> [round(cut.length, 3) for cut in kg.cuts.parallel_slits(columns=1, rows=3)]
     [0.8, 0.4, 0.4, 0.8]
     """
     sides_first = require_boolean(sides_first, "sides_first", "parallel_slits", GeometryError)
@@ -204,7 +205,8 @@ def perpendicular_slits(
 
     Examples
     --------
-    >>> len(perpendicular_slits(4, 3))
+    >>> import kirigami as kg
+    >>> len(kg.cuts.perpendicular_slits(4, 3))
     12
     """
     _counts("perpendicular_slits", columns=columns, rows=rows)
@@ -262,8 +264,9 @@ def random_slits(
 
     Examples
     --------
-    >>> slits = random_slits(10, 1.0, 1.0, (0.1, 0.3), seed=1, gap=0.02)
-    >>> slits == random_slits(10, 1.0, 1.0, (0.1, 0.3), seed=1, gap=0.02)
+    >>> import kirigami as kg
+    >>> slits = kg.cuts.random_slits(10, 1.0, 1.0, (0.1, 0.3), seed=1, gap=0.02)
+    >>> slits == kg.cuts.random_slits(10, 1.0, 1.0, (0.1, 0.3), seed=1, gap=0.02)
     True
     """
     _counts("random_slits", count=count)
@@ -321,7 +324,8 @@ def single_slit_disc(
 
     Examples
     --------
-    >>> outline, cuts = single_slit_disc()
+    >>> import kirigami as kg
+    >>> outline, cuts = kg.cuts.single_slit_disc()
     >>> outline.bounds, cuts[0].length
     ((-3.0, -3.0, 3.0, 3.0), 2.58)
     """
@@ -371,7 +375,8 @@ def single_slit_rectangle(
 
     Examples
     --------
-    >>> outline, cuts = single_slit_rectangle(2, 1, 0.5, angle=90)
+    >>> import kirigami as kg
+    >>> outline, cuts = kg.cuts.single_slit_rectangle(2, 1, 0.5, angle=90)
     >>> [round(value, 12) for value in cuts[0].bounds]
     [1.0, 0.25, 1.0, 0.75]
     """

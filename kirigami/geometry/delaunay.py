@@ -44,6 +44,8 @@ def constrained(points: Floats, segments: Integers) -> tuple[Integers, list[list
     --------
     The longer diagonal of a flat rhombus is no edge of its Delaunay triangulation, unless it is asked for:
 
+    >>> import numpy as np
+    >>> from kirigami.geometry.delaunay import constrained
     >>> rhombus = np.array([(-3.0, 0.0), (0.0, -1.0), (3.0, 0.0), (0.0, 1.0)])
     >>> constrained(rhombus, np.array([(0, 2)]))
     (array([[0, 1, 2],
@@ -116,6 +118,7 @@ def _holds(triangles: Integers, segments: Integers, count: int) -> bool:
 def turn(a: Point, b: Point, c: Point) -> float:
     """Positive where a, b, c turn left, negative where they turn right, zero where they lie on a line: exactly.
 
+    >>> from kirigami.geometry.delaunay import turn
     >>> turn((0.0, 0.0), (1.0, 1.0), (0.1 + 0.2, 0.3)) < 0, turn((0.0, 0.0), (1.0, 1.0), (0.3, 0.3))
     (True, 0.0)
     """
@@ -130,6 +133,7 @@ def turn(a: Point, b: Point, c: Point) -> float:
 def in_circle(a: Point, b: Point, c: Point, d: Point) -> bool:
     """Whether d lies within the circle through a, b, c, which turn left: exactly.
 
+    >>> from kirigami.geometry.delaunay import in_circle
     >>> in_circle((1.0, 0.0), (0.0, 1.0), (-1.0, 0.0), (0.0, -1.0))
     False
     >>> in_circle((1.0, 0.0), (0.0, 1.0), (-1.0, 0.0), (0.0, -1.0 + 1e-16))

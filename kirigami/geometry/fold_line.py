@@ -72,7 +72,7 @@ class FoldEdges:
     Examples
     --------
     >>> import kirigami as kg
-    >>> mesh = kg.TriMesh([(0, 0), (1, 0), (1, 1), (0, 1)], [(0, 1, 2), (0, 2, 3)], folds=[FoldEdges([(0, 2)])])
+    >>> mesh = kg.TriMesh([(0, 0), (1, 0), (1, 1), (0, 1)], [(0, 1, 2), (0, 2, 3)], folds=[kg.FoldEdges([(0, 2)])])
     >>> mesh.folds[0].edges.tolist()
     [[0, 2]]
     """

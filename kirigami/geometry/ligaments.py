@@ -53,6 +53,8 @@ def find_ligaments(drawing: LineWork) -> Ligaments:
 
     Examples
     --------
+    >>> import numpy as np, shapely
+    >>> from kirigami.geometry.ligaments import find_ligaments
     >>> from kirigami.geometry.clean import clean
     >>> slits = [shapely.LineString([(1, 2), (4.5, 2)]), shapely.LineString([(5.5, 2), (9, 2)])]
     >>> found = find_ligaments(clean(shapely.box(0, 0, 10, 4), slits))

@@ -80,7 +80,7 @@ class TriMesh:
         Named sets of nodes.
     thickness : float, optional
         Thickness of the sheet, passed on to the model.
-    material : Material, Orthotropic or Laminate, optional
+    material : Material, Orthotropic, Laminate or NeoHookean, optional
         Material of the sheet, passed on to the model.
     cuts : sequence of CutLoop, optional
         The cuts. Without it every boundary loop but the outer one is a cut, from bottom to top and left to right.
@@ -102,7 +102,8 @@ class TriMesh:
 
     Examples
     --------
-    >>> mesh = TriMesh([(0, 0), (1, 0), (1, 1), (0, 1)], [(0, 1, 2), (0, 2, 3)])
+    >>> import kirigami as kg
+    >>> mesh = kg.TriMesh([(0, 0), (1, 0), (1, 1), (0, 1)], [(0, 1, 2), (0, 2, 3)])
     >>> mesh
     TriMesh(4 nodes, 2 facets, size 1 x 1, smallest angle 45 deg, 0 cuts, 0 holes)
     >>> mesh.edges.tolist()
@@ -204,7 +205,8 @@ class TriMesh:
 
         Examples
         --------
-        >>> mesh = TriMesh([(0, 0), (1, 0), (1, 1), (0, 1)], [(0, 1, 2), (0, 2, 3)])
+        >>> import kirigami as kg
+        >>> mesh = kg.TriMesh([(0, 0), (1, 0), (1, 1), (0, 1)], [(0, 1, 2), (0, 2, 3)])
         >>> mesh.nodal_mean([1.0, 3.0]).tolist()
         [2.0, 1.0, 2.0, 3.0]
         """

@@ -55,6 +55,8 @@ def node_lines(points: Floats, edges: Integers, tolerance: float) -> tuple[Float
 
     Examples
     --------
+    >>> import numpy as np
+    >>> from kirigami.geometry.noding import node_lines
     >>> cross = np.array([(0.0, 0.5), (1.0, 0.5), (0.5, 0.0), (0.5, 1.0)])
     >>> points, edges = node_lines(cross, np.array([(0, 1, 0), (2, 3, 1)]), 1e-5)
     >>> len(points), len(edges)

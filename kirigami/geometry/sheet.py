@@ -58,7 +58,7 @@ class Sheet:
         sequence of (x, y) pairs is a slit.
     thickness : float, optional
         Thickness in the unit of the coordinates, handed on to the mesh and the model.
-    material : Material, Orthotropic or Laminate, optional
+    material : Material, Orthotropic, Laminate or NeoHookean, optional
         Handed on to the mesh and the model.
     folds : geometry, Fold, or nested sequences of them
         Lines along which the sheet is creased and not cut: a :class:`kirigami.Fold` says rest angle and stiffness, a
@@ -75,7 +75,8 @@ class Sheet:
 
     Examples
     --------
-    >>> sheet = Sheet(shapely.box(0, 0, 2, 1), cuts=shapely.LineString([(0.5, 0.5), (1.5, 0.5)]))
+    >>> import shapely, kirigami as kg
+    >>> sheet = kg.Sheet(shapely.box(0, 0, 2, 1), cuts=shapely.LineString([(0.5, 0.5), (1.5, 0.5)]))
     >>> sheet
     Sheet(2 x 1, area 2, 1 slit, 0 openings)
     >>> mesh = sheet.mesh(max_edge=0.1)
@@ -184,8 +185,9 @@ class Sheet:
 
         Examples
         --------
+        >>> import shapely, kirigami as kg
         >>> slits = [[(0.2, 0.5), (1.2, 0.5)], [(0.8, 0.6), (1.8, 0.6)]]
-        >>> mesh = Sheet(shapely.box(0, 0, 2, 1), slits).mesh(nodes=1500)
+        >>> mesh = kg.Sheet(shapely.box(0, 0, 2, 1), slits).mesh(nodes=1500)
         >>> abs(len(mesh.nodes) / 1500 - 1) < 0.1, mesh.sizing.facets_across >= 4
         (True, True)
         """

@@ -20,6 +20,8 @@ def pair_keys(pairs: Integers, count: int) -> Integers:
 def pair_numbers(pairs: Integers, among: Integers, count: int) -> Integers:
     """Number of each unordered pair of the `count` nodes among others, in any order; -1 where it is none of them.
 
+    >>> import numpy as np
+    >>> from kirigami.geometry.topology import pair_numbers
     >>> pair_numbers(np.array([(2, 1), (0, 2)]), np.array([(0, 1), (3, 0), (1, 2)]), 4).tolist()
     [2, -1]
     """
@@ -87,6 +89,8 @@ def regions(triangles: Integers, barriers: Integers, among: NDArray[np.bool_] | 
 def within(triangles: Integers, barriers: Integers, boundary: Integers) -> Integers:
     """The triangles at the left of a boundary, directed segments among the barriers.
 
+    >>> import numpy as np
+    >>> from kirigami.geometry.topology import within
     >>> hull = np.array([(0, 1, 2), (0, 2, 3), (1, 3, 2)])
     >>> sides = np.array([(0, 1), (1, 2), (2, 3), (3, 0)])
     >>> within(hull, sides, sides).tolist()

@@ -39,6 +39,7 @@ def chosen_mesher(name: str | None = None) -> str:
     """The mesh generator that a name stands for: without one what the environment variable KIRIGAMI_MESHER says, else
     Triangle where it is installed.
 
+    >>> from kirigami.geometry.triangulate import chosen_mesher
     >>> chosen_mesher("delaunay")
     'delaunay'
     """
@@ -77,6 +78,8 @@ def triangulate(
 
     Examples
     --------
+    >>> import numpy as np
+    >>> from kirigami.geometry.triangulate import MESHERS, Triangulation, triangulate
     >>> corners = np.array([(0.0, 0.0), (1.0, 0.0), (0.0, 1.0)])
     >>> nothing = np.empty((0, 3), dtype=int)
     >>> sides = np.array([(0, 1), (1, 2), (2, 0)])
@@ -131,6 +134,8 @@ def carve(hull: Triangulation, boundary: Integers) -> Triangulation:
 
     Examples
     --------
+    >>> import numpy as np
+    >>> from kirigami.geometry.triangulate import Triangulation, carve, triangulate
     >>> corners = np.array([(0.0, 0.0), (4.0, 0.0), (1.0, 1.0), (0.0, 4.0)])
     >>> sides = np.array([(0, 1), (1, 2), (2, 3), (3, 0)])
     >>> hull = triangulate(Triangulation(corners, np.empty((0, 3), dtype=int), sides, np.zeros(4, int)), "delaunay")

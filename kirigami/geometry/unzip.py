@@ -38,6 +38,8 @@ def unzip(triangles: Integers, slit_edges: Integers) -> tuple[Integers, Integers
     --------
     Two facets that share the edge (0, 2) come apart:
 
+    >>> import numpy as np
+    >>> from kirigami.geometry.unzip import unzip
     >>> opened, origin = unzip(np.array([(0, 1, 2), (0, 2, 3)]), np.array([(0, 2)]))
     >>> opened.tolist(), origin.tolist()
     ([[0, 1, 2], [4, 5, 3]], [0, 1, 2, 3, 0, 2])

@@ -63,6 +63,8 @@ def to_abaqus(
 
     Examples
     --------
+    >>> from pathlib import Path
+    >>> from kirigami.io.abaqus import to_abaqus
     >>> import tempfile, kirigami as kg
     >>> mesh = kg.TriMesh([[0, 0], [1, 0], [1, 1], [0, 1]], [[0, 1, 2], [0, 2, 3]])
     >>> m = kg.Model.from_mesh(mesh, thickness=0.01, material=kg.Material(E=1e9))

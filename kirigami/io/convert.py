@@ -41,6 +41,9 @@ def info(path: str | os.PathLike[str], **reading: Any) -> dict[str, Any]:
 
     Examples
     --------
+    >>> from pathlib import Path
+    >>> from kirigami.drawing.convert import write_drawing
+    >>> from kirigami.io.convert import info
     >>> import shapely, tempfile, kirigami as kg
     >>> file = write_drawing(kg.Sheet(shapely.box(0, 0, 0.2, 0.1)), Path(tempfile.mkdtemp()) / "plate.geojson")
     >>> info(file)["width"]
@@ -68,6 +71,8 @@ def info_of_drawing(drawing: Drawing) -> dict[str, Any]:
 
     Examples
     --------
+    >>> from kirigami.drawing.drawing import Drawing
+    >>> from kirigami.io.convert import info_of_drawing
     >>> import shapely
     >>> info_of_drawing(Drawing(shapely.box(0, 0, 2, 1), (shapely.box(0.5, 0.5, 1, 0.75),)))["area"]
     1.875
@@ -115,6 +120,9 @@ def mesh_drawing(
 
     Examples
     --------
+    >>> from pathlib import Path
+    >>> from kirigami.drawing.convert import write_drawing
+    >>> from kirigami.io.convert import mesh_drawing
     >>> import shapely, tempfile, kirigami as kg
     >>> file = write_drawing(kg.Sheet(shapely.box(0, 0, 0.2, 0.1)), Path(tempfile.mkdtemp()) / "plate.geojson")
     >>> round(float(mesh_drawing(file, "20mm").facet_areas.sum()), 12)
@@ -145,6 +153,8 @@ def write_mesh(mesh: TriMesh, path: str | os.PathLike[str]) -> Path:
 
     Examples
     --------
+    >>> from pathlib import Path
+    >>> from kirigami.io.convert import write_mesh
     >>> import tempfile, kirigami as kg
     >>> mesh = kg.TriMesh([(0, 0), (1, 0), (0, 1)], [(0, 1, 2)])
     >>> write_mesh(mesh, Path(tempfile.mkdtemp()) / "one.fold").name
@@ -219,6 +229,9 @@ def export(
 
     Examples
     --------
+    >>> from pathlib import Path
+    >>> from kirigami.drawing.convert import write_drawing
+    >>> from kirigami.io.convert import export
     >>> import shapely, tempfile, kirigami as kg
     >>> folder = Path(tempfile.mkdtemp())
     >>> file = write_drawing(kg.Sheet(shapely.box(0, 0, 0.2, 0.1)), folder / "plate.geojson")

@@ -80,6 +80,8 @@ def to_html(
 
     Examples
     --------
+    >>> from pathlib import Path
+    >>> from kirigami.io.html import to_html
     >>> import tempfile, kirigami as kg
     >>> m = kg.Model(dim=2)
     >>> a, b = m.add(kg.Node(0, 0), kg.Node(2, 0))
@@ -127,6 +129,7 @@ def titled_curves(results: Results, reactions: Mapping[str, Nodes] | None = None
 
     Examples
     --------
+    >>> from kirigami.io.html import titled_curves
     >>> import kirigami as kg
     >>> m = kg.Model(dim=2)
     >>> a, b = m.add(kg.Node(0, 0), kg.Node(2, 0))

@@ -145,6 +145,8 @@ def to_openseespy(
 
     Examples
     --------
+    >>> from pathlib import Path
+    >>> from kirigami.io.opensees import to_openseespy
     >>> import tempfile, kirigami as kg
     >>> mesh = kg.TriMesh([[0, 0], [1, 0], [1, 1], [0, 1]], [[0, 1, 2], [0, 2, 3]])
     >>> m = kg.Model.from_mesh(mesh, thickness=0.01, material=kg.Material(E=1e9))

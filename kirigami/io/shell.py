@@ -81,6 +81,7 @@ def shell_of(model: Model, owner: str, materials: tuple[type[SheetMaterial], ...
 
     Examples
     --------
+    >>> from kirigami.io.shell import shell_of
     >>> import kirigami as kg
     >>> mesh = kg.TriMesh([[0, 0], [1, 0], [1, 1], [0, 1]], [[0, 1, 2], [0, 2, 3]])
     >>> m = kg.Model.from_mesh(mesh, thickness=0.01, material=kg.Material(E=1e9))

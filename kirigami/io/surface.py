@@ -59,6 +59,8 @@ def write_surface(
 
     Examples
     --------
+    >>> from pathlib import Path
+    >>> from kirigami.io.surface import write_surface
     >>> import tempfile, kirigami as kg
     >>> mesh = kg.TriMesh([[0, 0], [1, 0], [0, 1]], [[0, 1, 2]])
     >>> m = kg.Model.from_mesh(mesh, thickness=0.01, material=kg.Material(E=1e6))
@@ -114,7 +116,9 @@ def solid(points: Array, mesh: TriMesh, thickness: float) -> tuple[Array, NDArra
 
     Examples
     --------
-    >>> mesh = TriMesh([(0, 0), (1, 0), (0, 1)], [(0, 1, 2)])
+    >>> import numpy as np, kirigami as kg
+    >>> from kirigami.io.surface import solid
+    >>> mesh = kg.TriMesh([(0, 0), (1, 0), (0, 1)], [(0, 1, 2)])
     >>> corners, facets = solid(np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0]]), mesh, 0.2)
     >>> len(corners), len(facets), corners[:, 2].tolist()
     (6, 8, [0.1, 0.1, 0.1, -0.1, -0.1, -0.1])

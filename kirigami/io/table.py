@@ -47,6 +47,7 @@ def curves(results: Results, reactions: Mapping[str, Nodes] | None = None) -> di
 
     Examples
     --------
+    >>> from kirigami.io.table import curves
     >>> import kirigami as kg
     >>> m = kg.Model(dim=2)
     >>> a, b, c = m.add(kg.Node(0, 0), kg.Node(1, 0), kg.Node(2, 0))
@@ -104,6 +105,8 @@ def to_csv(
 
     Examples
     --------
+    >>> from pathlib import Path
+    >>> from kirigami.io.table import to_csv
     >>> import tempfile, kirigami as kg
     >>> m = kg.Model(dim=2)
     >>> a, b = m.add(kg.Node(0, 0), kg.Node(2, 0))
@@ -142,6 +145,7 @@ def to_xarray(results: Results) -> Any:
 
     Examples
     --------
+    >>> from kirigami.io.table import to_xarray
     >>> import kirigami as kg
     >>> m = kg.Model(dim=2)
     >>> a, b = m.add(kg.Node(0, 0), kg.Node(2, 0))

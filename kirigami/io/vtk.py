@@ -51,6 +51,7 @@ def write_vtk(results: Results, folder: str | os.PathLike[str], name: str = "ste
 
     Examples
     --------
+    >>> from kirigami.io.vtk import write_vtk
     >>> import tempfile, kirigami as kg
     >>> m = kg.Model(dim=2)
     >>> a, b = m.add(kg.Node(0, 0), kg.Node(2, 0))

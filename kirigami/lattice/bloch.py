@@ -40,10 +40,9 @@ def bands(framework: Framework, phases: ArrayLike) -> Array:
 
     Examples
     --------
-    >>> from kirigami import tilings
-    >>> from kirigami.lattice.framework import Framework
-    >>> cell = Framework.from_tiling(tilings.kagome(angle=1.75))
-    >>> bool(bands(cell, [1.0, 0.5])[0] > 0.01), round(abs(float(bands(cell, [0.0, 0.0])[1])), 9)
+    >>> import kirigami as kg
+    >>> cell = kg.Framework.from_tiling(kg.tilings.kagome(angle=1.75))
+    >>> bool(kg.bloch.bands(cell, [1.0, 0.5])[0] > 0.01), round(abs(float(kg.bloch.bands(cell, [0.0, 0.0])[1])), 9)
     (True, 0.0)
     """
     _periodic(framework, "bands")
@@ -87,9 +86,8 @@ def guest_modes(framework: Framework) -> list[GuestMode]:
 
     Examples
     --------
-    >>> from kirigami import tilings
-    >>> from kirigami.lattice.framework import Framework
-    >>> twist, = guest_modes(Framework.from_tiling(tilings.rotating_triangles(angle=1.2)))
+    >>> import kirigami as kg
+    >>> twist, = kg.bloch.guest_modes(kg.Framework.from_tiling(kg.tilings.rotating_triangles(angle=1.2)))
     >>> round(twist.poisson, 9)
     -1.0
     """
@@ -139,9 +137,8 @@ def winding_numbers(framework: Framework, at: float = 1.0) -> tuple[int, ...]:
 
     Examples
     --------
-    >>> from kirigami import tilings
-    >>> from kirigami.lattice.framework import Framework
-    >>> [winding_numbers(Framework.from_tiling(tilings.kagome(angle))) for angle in (1.08, 1.63)]
+    >>> import kirigami as kg
+    >>> [kg.bloch.winding_numbers(kg.Framework.from_tiling(kg.tilings.kagome(angle))) for angle in (1.08, 1.63)]
     [(0, 1), (1, 0)]
     """
     _periodic(framework, "winding_numbers")
@@ -202,9 +199,9 @@ def polarization(framework: Framework, at: float = 1.0) -> Array:
 
     Examples
     --------
-    >>> from kirigami import tilings
-    >>> from kirigami.lattice.framework import Framework
-    >>> [(polarization(Framework.from_tiling(tilings.kagome(angle))) + 0).tolist() for angle in (1.08, 1.75)]
+    >>> import kirigami as kg
+    >>> cells = [kg.Framework.from_tiling(kg.tilings.kagome(angle)) for angle in (1.08, 1.75)]
+    >>> [(kg.bloch.polarization(cell) + 0).tolist() for cell in cells]
     [[0.0, 0.0], [0.0, 1.0]]
     """
     numbers = np.array(winding_numbers(framework, at))

@@ -47,11 +47,10 @@ class Framework:
     Examples
     --------
     >>> import kirigami as kg
-    >>> from kirigami.lattice.framework import Framework
     >>> m = kg.Model(dim=2)
     >>> a, b, c, d = m.add(kg.Node(0, 0), kg.Node(1, 0), kg.Node(1, 1), kg.Node(0, 1))
     >>> bars = m.add(*(kg.Bar(p, q, EA=1.0) for p, q in ((a, b), (b, c), (c, d), (d, a))))
-    >>> print(Framework.from_model(m).rigidity())
+    >>> print(kg.Framework.from_model(m).rigidity())
     8 unknowns, 4 bars: 4 zero modes (3 rigid, 1 internal), 0 states of self-stress
     """
 
@@ -213,11 +212,10 @@ class Framework:
         Examples
         --------
         >>> import kirigami as kg, numpy as np
-        >>> from kirigami.lattice.framework import Framework
         >>> m = kg.Model(dim=2)
         >>> a, b = m.add(kg.Node(0, 0), kg.Node(1, 0))
         >>> objects = m.add(kg.Bar(a, b, EA=1.0), kg.Fix(a))
-        >>> path = Framework.from_model(m).follow([[0, 0], [0, 1]], distance=np.pi / 2, steps=90)
+        >>> path = kg.Framework.from_model(m).follow([[0, 0], [0, 1]], distance=np.pi / 2, steps=90)
         >>> bool(np.allclose(path[-1, 1], [-1, 1, 0], atol=1e-3))
         True
         """

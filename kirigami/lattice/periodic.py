@@ -75,11 +75,10 @@ class PeriodicCell:
 
     Examples
     --------
-    >>> from kirigami import tilings
-    >>> from kirigami.lattice.periodic import PeriodicCell
-    >>> squares = tilings.rotating_squares(angle=0.6)
+    >>> import kirigami as kg
+    >>> squares = kg.tilings.rotating_squares(angle=0.6)
     >>> m = squares.model(EA=1e4, stiffness=1.0)
-    >>> cell = PeriodicCell(m, squares.lattice, squares.images)
+    >>> cell = kg.PeriodicCell(m, squares.lattice, squares.images)
     >>> stiffness = cell.stiffness()
     >>> poisson = stiffness[0, 1] / stiffness[0, 0]      # a soft dilation and a stiff rest: -1 with rigid squares
     >>> bool(-1 < poisson < -0.99)
@@ -87,7 +86,6 @@ class PeriodicCell:
 
     A cell of an uncut sheet, pulled along y and free to contract:
 
-    >>> import kirigami as kg
     >>> sheet = kg.CellSheet([(1, 0), (0, 1)], thickness=0.01, material=kg.Material(E=1e6, nu=0.3))
     >>> cell = kg.PeriodicCell(kg.Model.from_mesh(sheet.mesh(0.4), stiffness="shell"), sheet.lattice)
     >>> imposed = cell.impose((None, 1e-6, None))

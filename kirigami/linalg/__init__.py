@@ -50,6 +50,7 @@ def make_solver(backend: str | None = None) -> Solver:
 
     Examples
     --------
+    >>> from kirigami.linalg import make_solver
     >>> import numpy as np
     >>> from scipy.sparse import diags
     >>> factor = make_solver("superlu").factorize(diags([2.0, -4.0], format="csc"))

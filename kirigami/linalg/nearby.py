@@ -60,6 +60,7 @@ def nearby_factor(matrix: Any, near: Factor) -> NearbyFactor | None:
 
     Examples
     --------
+    >>> from kirigami.linalg.nearby import nearby_factor
     >>> import numpy as np
     >>> from scipy.sparse import diags
     >>> from kirigami.linalg import factorize
@@ -82,6 +83,7 @@ def lowest_of_pencil(matrix: Any, near: Factor, least: float = -np.inf) -> tuple
 
     Examples
     --------
+    >>> from kirigami.linalg.nearby import lowest_of_pencil
     >>> from scipy.sparse import diags
     >>> from kirigami.linalg import factorize
     >>> near = factorize(diags([1.0, 2.0, 4.0], format="csc"))

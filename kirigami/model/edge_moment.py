@@ -45,6 +45,7 @@ class EdgeMoment(Load):
     --------
     A strip bent to a quarter of a circle, M = D / R:
 
+    >>> import numpy as np
     >>> import kirigami as kg
     >>> mesh = kg.Sheet([(0, 0), (4, 0), (4, 1), (0, 1)]).mesh(0.6)
     >>> m = kg.Model.from_mesh(mesh, thickness=0.1, material=kg.Material(E=12e3, nu=0.0), stiffness="shell")

@@ -115,8 +115,8 @@ class Model:
             Thickness of the sheet [length]: one; one for each facet; a mapping from names of regions of the mesh, in
             which None stands for what is in none of them; or ``thickness(x, y, z)`` of the centres of the facets. What
             is left out is what the mesh carries from its sheet, or a laminate has by itself.
-        material : Material, Orthotropic, Laminate, sequence (m,), mapping or callable, optional
-            The same for materials. Only "shell" stands for materials that are not isotropic.
+        material : Material, Orthotropic, Laminate, NeoHookean, sequence (m,), mapping or callable, optional
+            The same for materials. Only "shell" stands for others than a `Material`.
         stiffness : {"plate", "paper", "facet", "shell"} or Calibration
             "plate": bars and hinges with constants from plate theory, the cheapest; "paper": with the published
             constants; "facet": facets whose three edges stretch and fold together; "shell": shell facets, which

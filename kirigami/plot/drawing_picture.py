@@ -38,6 +38,7 @@ def plot_drawing(drawing: Drawing, ax: Any = None) -> Any:
 
     Examples
     --------
+    >>> from kirigami.plot.drawing_picture import plot_drawing
     >>> import shapely
     >>> from kirigami.drawing.drawing import Drawing
     >>> ax = plot_drawing(Drawing(shapely.box(0, 0, 2, 1), (shapely.LineString([(0.5, 0.5), (1.5, 0.5)]),), unit="mm"))

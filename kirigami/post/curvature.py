@@ -65,6 +65,8 @@ def curvature(positions: ArrayLike, mesh: TriMesh, kind: str = "mean", per: str 
 
     Examples
     --------
+    >>> import numpy as np
+    >>> from kirigami.post.curvature import curvature
     >>> import kirigami as kg
     >>> mesh = kg.Sheet([(-1, -1), (1, -1), (1, 1), (-1, 1)]).mesh(0.2)
     >>> x, y, _ = mesh.nodes.T

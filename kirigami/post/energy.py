@@ -35,6 +35,7 @@ def energy_shares(energy: Mapping[str, ArrayLike]) -> dict[str, Floats]:
 
     Examples
     --------
+    >>> from kirigami.post.energy import energy_shares
     >>> shares = energy_shares({"bars": [0.0, 1.0], "hinges": [0.0, 3.0]})
     >>> shares["bars"].tolist(), shares["hinges"].tolist()
     ([0.0, 0.25], [0.0, 0.75])

@@ -49,6 +49,7 @@ def friction_coefficient(
     --------
     80 cuts on 51 x 140 mm that stand out by 1 mm, with a tenth of the area engaged:
 
+    >>> from kirigami.post.friction import friction_coefficient
     >>> float(round(friction_coefficient(1e-3, 80 / (0.051 * 0.140), 0.1, base=0.2, engagement=0.5)[()], 4))
     0.7602
     """

@@ -48,6 +48,7 @@ def open_area(positions: ArrayLike, cuts: Sequence[Any], union: bool = False) ->
 
     Examples
     --------
+    >>> from kirigami.post.opening import open_area
     >>> import numpy as np
     >>> square = np.array([(0, 0, 0), (2, 0, 0), (2, 1, 0), (0, 1, 0)])
     >>> open_area(square, [[0, 1, 2, 3]]).tolist()

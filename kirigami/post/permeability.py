@@ -83,6 +83,7 @@ def slit_permeability(
     --------
     A rectangle 1 x 0.1 has w = 1 x 0.1 / 1.1:
 
+    >>> from kirigami.post.permeability import slit_permeability
     >>> corners = [(0, 0), (1, 0), (1, 0.1), (0, 0.1)]
     >>> k = slit_permeability(corners, [[0, 1, 2, 3]], sheet_area=2.0, length=[1.0])
     >>> abs(float(k) / ((0.1 / 1.1) ** 3 / 24) - 1) < 1e-12
@@ -161,6 +162,7 @@ def permeability(
     --------
     A square hole of side 1 in a sheet of 3 x 3, which a linear analysis leaves as it is:
 
+    >>> from kirigami.post.permeability import permeability
     >>> import shapely
     >>> import kirigami as kg
     >>> sheet = kg.Sheet(shapely.box(0, 0, 3, 3), shapely.box(1, 1, 2, 2), 0.01, kg.Material(E=1.0))
@@ -217,6 +219,7 @@ def outlined_area(positions: ArrayLike, triangles: ArrayLike, cuts: Sequence[Any
 
     Examples
     --------
+    >>> from kirigami.post.permeability import outlined_area
     >>> outlined_area([[(0, 0), (1, 0), (1, 1), (0, 1)]], [(0, 1, 2)], [[0, 2, 3]]).tolist()
     [1.0]
     """

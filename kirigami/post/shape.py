@@ -45,6 +45,7 @@ def height(positions: ArrayLike) -> Floats:
 
     Examples
     --------
+    >>> from kirigami.post.shape import height
     >>> float(height([(0, 0, -1), (1, 0, 0), (0, 1, 2)]))
     3.0
     """
@@ -83,6 +84,7 @@ def width(positions: ArrayLike, mesh: TriMesh, axis: str = "y", band: float = 0.
 
     Examples
     --------
+    >>> from kirigami.post.shape import width
     >>> import kirigami as kg
     >>> mesh = kg.Sheet([(0, 0), (2, 0), (2, 3), (0, 3)]).mesh(1.0)
     >>> round(float(width(mesh.nodes * (0.9, 1.2, 1), mesh)), 12)
@@ -130,6 +132,7 @@ def poisson_ratio(
 
     Examples
     --------
+    >>> from kirigami.post.shape import poisson_ratio
     >>> import kirigami as kg
     >>> mesh = kg.Sheet([(0, 0), (2, 0), (2, 3), (0, 3)]).mesh(1.0)
     >>> round(float(poisson_ratio(mesh.nodes * (0.9, 1.2, 1), mesh)), 12)

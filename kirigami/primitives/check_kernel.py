@@ -31,7 +31,7 @@ def check_kernel(kernel: Kernel, x: ArrayLike, lam: float = 1.0, step: float = 1
     dict of float
         Largest relative errors: ``gradient`` and ``hessian`` against central differences (about 1e-7 is right),
         ``symmetry`` of the Hessian, ``force`` and ``moment`` resultants of each member, ``rigid`` change of energy
-        under a small-angle-free rotation and translation. The last three are meant for elements; a load need not
+        under a large rotation and a translation. The last three are meant for elements; a load need not
         meet them.
 
     Examples

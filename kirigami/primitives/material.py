@@ -222,6 +222,7 @@ class Orthotropic(SheetMaterial):
 
     Examples
     --------
+    >>> import numpy as np
     >>> import kirigami as kg
     >>> paper = kg.Orthotropic(E1=6e9, E2=3e9, nu12=0.3, G12=1.7e9, angle=0.0)
     >>> round(float(1 / np.linalg.inv(paper.elasticity())[1, 1] / 1e9), 9)
@@ -281,6 +282,7 @@ class Laminate(SheetMaterial):
 
     Examples
     --------
+    >>> import numpy as np
     >>> import kirigami as kg
     >>> ply = kg.Orthotropic(E1=140e9, E2=10e9, nu12=0.3, G12=5e9)
     >>> across = kg.Orthotropic(E1=140e9, E2=10e9, nu12=0.3, G12=5e9, angle=np.pi / 2)

@@ -36,6 +36,7 @@ def doubts(results: Results) -> list[str]:
 
     Examples
     --------
+    >>> from kirigami.results.doubts import doubts
     >>> import kirigami as kg, shapely
     >>> slit = shapely.LineString([(0.1, 0.5), (0.9, 0.5)])
     >>> sheet = kg.Sheet(shapely.box(0, 0, 1, 1), slit, thickness=0.05, material=kg.Material(1e6))

@@ -32,6 +32,7 @@ def facet_strain(results: Results) -> Array:
 
     Examples
     --------
+    >>> from kirigami.results.fields import facet_strain
     >>> import kirigami as kg
     >>> mesh = kg.TriMesh([[0, 0], [1, 0], [0, 1]], [[0, 1, 2]])
     >>> m = kg.Model.from_mesh(mesh, thickness=0.01, material=kg.Material(E=1e6))
@@ -67,6 +68,7 @@ def nodal_energy(results: Results, step: int | None = None) -> Array:
 
     Examples
     --------
+    >>> from kirigami.results.fields import nodal_energy
     >>> import kirigami as kg
     >>> m = kg.Model(dim=2)
     >>> a, b = m.add(kg.Node(0, 0), kg.Node(2, 0))

@@ -52,6 +52,7 @@ def tips(mesh: TriMesh, cut: int) -> list[Tip]:
 
     Examples
     --------
+    >>> from kirigami.results.fracture import tips
     >>> import kirigami as kg, shapely
     >>> mesh = kg.Sheet(shapely.box(0, 0, 1, 1), shapely.LineString([(0.3, 0.5), (0.7, 0.5)])).mesh(0.1)
     >>> sorted(tip.place.round(6).tolist() for tip in tips(mesh, 0))

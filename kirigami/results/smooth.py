@@ -74,6 +74,7 @@ def sectors(results: Results) -> Sectors:
 
     Examples
     --------
+    >>> from kirigami.results.smooth import sectors
     >>> import kirigami as kg
     >>> mesh = kg.TriMesh([(0, 0), (1, 0), (1, 1), (0, 1)], [(0, 1, 2), (0, 2, 3)])
     >>> m = kg.Model.from_mesh(mesh, thickness=0.01, material=kg.Material(E=1e9), stiffness="shell")

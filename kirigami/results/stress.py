@@ -80,6 +80,7 @@ class SheetStress:
 
     Examples
     --------
+    >>> import numpy as np
     >>> import kirigami as kg
     >>> mesh = kg.Sheet([(0, 0), (2, 0), (2, 1), (0, 1)]).mesh(0.5)
     >>> m = kg.Model.from_mesh(mesh, thickness=0.01, material=kg.Material(E=1e6, nu=0.3), stiffness="shell")

@@ -160,6 +160,7 @@ def facet_plastic_strain(results: Results, step: int | None = None) -> Array:
 
     Examples
     --------
+    >>> from kirigami.results.yielding import facet_plastic_strain
     >>> import kirigami as kg
     >>> mesh = kg.TriMesh([(0, 0), (1, 0), (1, 1), (0, 1)], [(0, 1, 2), (0, 2, 3)])
     >>> soft = kg.Material(E=1e9, yield_stress=1e6, hardening=1e7)

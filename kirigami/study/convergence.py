@@ -16,6 +16,7 @@ def observed_order(sizes: Sequence[float] | Array, values: Sequence[float] | Arr
 
     Examples
     --------
+    >>> from kirigami.study.convergence import observed_order
     >>> round(observed_order([3.0, 2.0, 1.0], [10.0, 5.0, 2.0]), 10)
     2.0
     >>> observed_order([3.0, 2.0, 1.0], [1.0, 2.0, 1.5])
@@ -44,6 +45,7 @@ def limit_of(sizes: Sequence[float] | Array, values: Sequence[float] | Array) ->
 
     Examples
     --------
+    >>> from kirigami.study.convergence import limit_of
     >>> [round(number, 9) for number in limit_of([3.0, 2.0, 1.0], [10.0, 5.0, 2.0])]
     [1.0, 2.0, 1.0]
     """

@@ -29,6 +29,7 @@ def pull_direction(direction: str | float) -> NDArray[np.float64]:
 
     Examples
     --------
+    >>> from kirigami.study.grips import pull_direction
     >>> pull_direction("y").tolist(), pull_direction(60).round(3).tolist()
     ([0.0, 1.0], [0.5, 0.866])
     """
@@ -150,10 +151,12 @@ def find_grips(sheet: Sheet, direction: str | float = "y", strip: float | None =
 
     Examples
     --------
+    >>> import kirigami as kg
+    >>> from kirigami.study.grips import find_grips
     >>> import shapely
-    >>> find_grips(Sheet(shapely.box(0, 0, 1, 2)), "y").free_length
+    >>> find_grips(kg.Sheet(shapely.box(0, 0, 1, 2)), "y").free_length
     2.0
-    >>> round(find_grips(Sheet(shapely.Point(0, 0).buffer(1)), 30).free_length, 2)
+    >>> round(find_grips(kg.Sheet(shapely.Point(0, 0).buffer(1)), 30).free_length, 2)
     1.84
     """
     unit = pull_direction(direction)

@@ -77,11 +77,13 @@ class Job:
 
     Examples
     --------
+    >>> from pathlib import Path
     >>> import shapely, tempfile, kirigami as kg
     >>> folder = Path(tempfile.mkdtemp())
     >>> drawing = kg.Sheet(shapely.box(0, 0, 0.05, 0.1)).to_geojson(folder / "plate.geojson")
-    >>> job = Job(drawing, "0.1mm", "3.5GPa", case=kg.LoadCase(strain=0.001), accuracy="draft", max_edge="25mm")
-    >>> again = Job.load(job.save(folder / "case.json"))
+    >>> pull = kg.LoadCase(strain=0.001)
+    >>> job = kg.study.Job(drawing, "0.1mm", "3.5GPa", case=pull, accuracy="draft", max_edge="25mm")
+    >>> again = kg.study.Job.load(job.save(folder / "case.json"))
     >>> again.run().complete
     True
     """

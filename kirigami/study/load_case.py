@@ -65,7 +65,8 @@ class LoadCase:
 
     Examples
     --------
-    >>> LoadCase(strain=0.1, shear=0.05).gripped, LoadCase(lift={"centre": 0.04}, hold="rim").gripped
+    >>> import kirigami as kg
+    >>> kg.LoadCase(strain=0.1, shear=0.05).gripped, kg.LoadCase(lift={"centre": 0.04}, hold="rim").gripped
     (True, False)
     """
 

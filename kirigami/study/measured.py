@@ -107,10 +107,12 @@ def read_measured(path: str | os.PathLike[str]) -> Measured:
 
     Examples
     --------
+    >>> from pathlib import Path
+    >>> import kirigami as kg
     >>> import tempfile
     >>> file = Path(tempfile.mkdtemp()) / "test.csv"
     >>> written = file.write_text("time [s];Extension (mm);Load (N)\\n0;0;0\\n1;2;0,5\\n")
-    >>> curve = read_measured(file)
+    >>> curve = kg.study.read_measured(file)
     >>> curve.kind, curve.motion.tolist(), curve.force.tolist()
     ('displacement', [0.0, 0.002], [0.0, 0.5])
     """

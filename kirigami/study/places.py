@@ -156,7 +156,8 @@ def place(where: Any) -> Place:
 
     Examples
     --------
-    >>> place("30mm, 40mm").numbers, place((0, 0, 1, 2)).kind, place("rim").kind
+    >>> import kirigami as kg
+    >>> kg.study.place("30mm, 40mm").numbers, kg.study.place((0, 0, 1, 2)).kind, kg.study.place("rim").kind
     ((0.03, 0.04), 'box', 'rim')
     """
     if isinstance(where, Place):

@@ -74,6 +74,8 @@ def limit_reference(
 
     Examples
     --------
+    >>> import numpy as np
+    >>> from kirigami.study.reference import QUANTITIES, limit_reference
     >>> runs = [{name: np.array([value]) for name in QUANTITIES} for value in (10.0, 5.0, 2.0)]
     >>> limit = limit_reference("three runs", [3.0, 2.0, 1.0], runs)
     >>> round(float(limit.values["force"][0]), 9), round(limit.own_error("force"), 9)

@@ -279,10 +279,11 @@ def stretch_drawing(
 
     Examples
     --------
+    >>> import kirigami as kg
     >>> import shapely
     >>> from kirigami.drawing.drawing import Drawing
     >>> plate = Drawing(shapely.box(0, 0, 0.05, 0.1), (shapely.LineString([(0.01, 0.05), (0.04, 0.05)]),))
-    >>> report = stretch_drawing(
+    >>> report = kg.study.stretch_drawing(
     ...     plate, thickness="0.1mm", E="3.5GPa", strain="1%", accuracy="draft", max_edge="10mm"
     ... )
     >>> report.complete, round(report.numbers["displacement"], 9)
@@ -453,11 +454,14 @@ def write_report(report: Report, folder: str | os.PathLike[str], say: Callable[[
 
     Examples
     --------
+    >>> import kirigami as kg
     >>> import shapely, tempfile
     >>> from kirigami.drawing.drawing import Drawing
     >>> plate = Drawing(shapely.box(0, 0, 0.05, 0.1), ())
-    >>> report = stretch_drawing(plate, thickness="0.1mm", E="3.5GPa", strain="0.1%", max_edge="25mm", imperfection=0)
-    >>> files = write_report(report, tempfile.mkdtemp(), say=lambda words: None)
+    >>> report = kg.study.stretch_drawing(
+    ...     plate, thickness="0.1mm", E="3.5GPa", strain="0.1%", max_edge="25mm", imperfection=0
+    ... )
+    >>> files = kg.study.write_report(report, tempfile.mkdtemp(), say=lambda words: None)
     >>> "report.json" in [file.name for file in files]
     True
     """

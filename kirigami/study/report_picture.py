@@ -122,6 +122,7 @@ def view_of_openings(results: Results, step: int = -1) -> tuple[float, float]:
 
     Examples
     --------
+    >>> from kirigami.study.report_picture import view_of_openings
     >>> import kirigami as kg
     >>> mesh = kg.TriMesh([(0, 0), (1, 0), (0, 1)], [(0, 1, 2)])
     >>> m = kg.Model.from_mesh(mesh, thickness=0.01, material=kg.Material(E=1e6))

@@ -117,6 +117,7 @@ def set_up(case: LoadCase, sheet: Sheet) -> Setting:
 
     Examples
     --------
+    >>> from kirigami.study.setting import set_up
     >>> import shapely, kirigami as kg
     >>> sheet = kg.Sheet(shapely.box(0, 0, 0.1, 0.2))
     >>> [drive.motion for drive in set_up(kg.LoadCase(strain=0.1, twist=90), sheet).drives]

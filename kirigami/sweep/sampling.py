@@ -42,7 +42,8 @@ def latin_hypercube(ranges: Mapping[str, tuple[float, float]], n: int, *, seed: 
 
     Examples
     --------
-    >>> designs = latin_hypercube({"cells": (2, 4), "stretch": (0.0, 1.0)}, 3, seed=1)
+    >>> import kirigami as kg
+    >>> designs = kg.latin_hypercube({"cells": (2, 4), "stretch": (0.0, 1.0)}, 3, seed=1)
     >>> sorted(design["cells"] for design in designs)
     [2, 3, 4]
     >>> sorted(int(3 * design["stretch"]) for design in designs)

@@ -70,13 +70,14 @@ class Sweep:
 
     Examples
     --------
+    >>> import kirigami as kg
     >>> import math, tempfile
     >>> from concurrent.futures import ThreadPoolExecutor
     >>> def area(radius):
     ...     return {"area": math.pi * radius**2}
     >>> path = tempfile.mkdtemp() + "/areas.csv"
     >>> with ThreadPoolExecutor(2) as pool:
-    ...     table = Sweep(area, [{"radius": 1.0}, {"radius": 2.0}], path).run(pool)
+    ...     table = kg.Sweep(area, [{"radius": 1.0}, {"radius": 2.0}], path).run(pool)
     >>> table["area"].round(3).tolist()
     [3.142, 12.566]
     """

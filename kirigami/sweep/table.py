@@ -36,7 +36,8 @@ class SweepTable:
 
     Examples
     --------
-    >>> table = SweepTable([{"design": 0, "status": "done", "k": 2.0}, {"design": 1, "status": "failed", "k": None}])
+    >>> import kirigami as kg
+    >>> table = kg.SweepTable([{"design": 0, "status": "done", "k": 2.0}, {"design": 1, "status": "failed", "k": None}])
     >>> table.done["k"].tolist(), len(table.failed)
     ([2.0], 1)
     >>> table["k"]

@@ -130,6 +130,15 @@ class LoadControl(_RangeAnalysis):
     damping : float
         With settle "dynamics": share of the critical damping of the slowest motion about the landing.
 
+    Raises
+    ------
+    ModelError
+        A value out of range; in a run a model that nothing drives, or a `start` of another model.
+    MechanismError
+        In a run: the structure can move without resistance.
+    ConvergenceError
+        In a run: no equilibrium at the smallest increment; the error carries the steps so far and says what to try.
+
     Examples
     --------
     >>> import kirigami as kg
@@ -214,6 +223,16 @@ class DisplacementControl(_RangeAnalysis):
     damping : float
         With settle "dynamics": share of the critical damping of the slowest motion about the landing.
 
+    Raises
+    ------
+    ModelError
+        A value out of range, a `control` that is no node and axis; in a run a model that nothing drives, or a `start`
+        of another model.
+    MechanismError
+        In a run: the structure can move without resistance.
+    ConvergenceError
+        In a run: no equilibrium at the smallest increment; the error carries the steps so far and says what to try.
+
     Examples
     --------
     >>> import kirigami as kg
@@ -290,6 +309,16 @@ class ArcLength(PathAnalysis):
         at each bifurcation at which stability is lost; or stop there.
     branch : {1, -1}, optional
         With a bifurcation as `start`: leave it along its mode, or against it.
+
+    Raises
+    ------
+    ModelError
+        A value out of range, a step of zero; in a run a model that nothing drives or a :class:`Turn`, or a `start` of
+        another model.
+    MechanismError
+        In a run: the structure can move without resistance.
+    ConvergenceError
+        In a run: no equilibrium at the smallest increment; the error carries the steps so far and says what to try.
 
     Examples
     --------

@@ -1,7 +1,7 @@
 """Tilings: flat panels joined at corners, ready to become planar models of bars and angle springs.
 
->>> from kirigami import tilings
->>> lattice = tilings.rotating_squares(angle=0.6).patch(2, 3)
+>>> import kirigami as kg
+>>> lattice = kg.tilings.rotating_squares(angle=0.6).patch(2, 3)
 >>> print(lattice)
 Tiling of 24 panels with 38 joints
 """

@@ -32,8 +32,9 @@ def rotating_squares(angle: float, side: float = 1.0) -> Tiling:
 
     Examples
     --------
+    >>> import kirigami as kg
     >>> import math
-    >>> cell = rotating_squares(angle=math.pi / 2, side=2.0)
+    >>> cell = kg.tilings.rotating_squares(angle=math.pi / 2, side=2.0)
     >>> print(cell, round(cell.cell_area, 9))
     Periodic tiling of 4 panels with 8 joints 32.0
     """
@@ -84,8 +85,9 @@ def square_rhombus(angle: float, side: float = 1.0) -> Tiling:
 
     Examples
     --------
+    >>> import kirigami as kg
     >>> import math
-    >>> row = square_rhombus(math.pi / 16).patch(4, 1, keep=lambda a, b, panel: panel == 0 or a < 3)
+    >>> row = kg.tilings.square_rhombus(math.pi / 16).patch(4, 1, keep=lambda a, b, panel: panel == 0 or a < 3)
     >>> print(row)
     Tiling of 7 panels with 6 joints
     """
@@ -129,7 +131,8 @@ def kagome(angle: float, sides: tuple[float, float, float] = (0.8, 0.6, 1.0), si
 
     Examples
     --------
-    >>> cell = kagome(angle=1.75)
+    >>> import kirigami as kg
+    >>> cell = kg.tilings.kagome(angle=1.75)
     >>> print(cell, len(cell.bars()), len(cell.points))
     Periodic tiling of 2 panels with 3 joints 6 3
     """
@@ -158,7 +161,8 @@ def critical_angles(sides: tuple[float, float, float] = (0.8, 0.6, 1.0)) -> tupl
 
     Examples
     --------
-    >>> [round(angle, 4) for angle in critical_angles()]
+    >>> import kirigami as kg
+    >>> [round(angle, 4) for angle in kg.tilings.critical_angles()]
     [1.5708, 1.6907, 2.0944]
     """
     alpha, rho = _scalene_angles(sides)
@@ -183,8 +187,9 @@ def rotating_triangles(angle: float, side: float = 1.0) -> Tiling:
 
     Examples
     --------
+    >>> import kirigami as kg
     >>> import math
-    >>> print(round(rotating_triangles(2 * math.pi / 3).cell_area, 6))    # regular kagome: 2 sqrt(3)
+    >>> print(round(kg.tilings.rotating_triangles(2 * math.pi / 3).cell_area, 6))    # regular kagome: 2 sqrt(3)
     3.464102
     """
     return kagome(angle, (1.0, 1.0, 1.0), side)

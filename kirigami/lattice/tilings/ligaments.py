@@ -119,8 +119,8 @@ def ligament_sheet(tiling: Tiling, width: float, length: float) -> shapely.Polyg
 
     Examples
     --------
-    >>> from kirigami import tilings
-    >>> sheet = tilings.ligament_sheet(tilings.rotating_squares(angle=1.0).patch(1, 1), width=0.05, length=0.1)
+    >>> import kirigami as kg
+    >>> sheet = kg.tilings.ligament_sheet(kg.tilings.rotating_squares(angle=1.0).patch(1, 1), width=0.05, length=0.1)
     >>> sheet.geom_type, len(sheet.interiors)
     ('Polygon', 1)
     """

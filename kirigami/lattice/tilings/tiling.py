@@ -266,8 +266,8 @@ class Tiling:
 
         Examples
         --------
-        >>> from kirigami import tilings
-        >>> print(tilings.rotating_triangles(angle=1.0).patch(3, 2, keep=lambda a, b, panel: panel == 0 or b == 0))
+        >>> import kirigami as kg
+        >>> print(kg.tilings.rotating_triangles(angle=1.0).patch(3, 2, keep=lambda a, b, panel: panel == 0 or b == 0))
         Tiling of 9 panels with 8 joints
         """
         self._periodic()
@@ -405,8 +405,8 @@ class Tiling:
 
         Examples
         --------
-        >>> from kirigami import tilings
-        >>> squares = tilings.rotating_squares(angle=0.3).patch(1, 1)
+        >>> import kirigami as kg
+        >>> squares = kg.tilings.rotating_squares(angle=0.3).patch(1, 1)
         >>> m = squares.model(EA=1.0, stiffness=1e-4)
         >>> limits = m.add(*squares.angle_limits(m, stiffness=0.1))
         >>> print(m)

@@ -52,6 +52,7 @@ def print_distance(one: str, other: str) -> float:
 
     Examples
     --------
+    >>> from kirigami.study.shape.prints import print_distance
     >>> print_distance("flat", "flat")
     0.0
     """
