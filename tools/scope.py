@@ -12,9 +12,10 @@ from __future__ import annotations
 
 import csv
 import inspect
+import tempfile
 import warnings
 from collections.abc import Callable
-from functools import partial
+from functools import cache, partial
 from pathlib import Path
 from typing import Any
 
@@ -26,6 +27,8 @@ from kirigami.primitives.material import SheetMaterial
 ROOT = Path(__file__).resolve().parent.parent
 PAGE, PRICES = ROOT / "docs" / "scope.md", ROOT / "benchmarks" / "results" / "effect_price.csv"
 COLUMNS = ("plane", *kg.stiffness.RUNGS)  # "plane" is "plate" with dim=2
+TRUSTED = "shell"  # the rung of which it is tried what else it goes with
+BEYOND_RUNGS = ("Abaqus", "OpenSees", "self-contact")
 THICKNESS, E, NU, DENSITY = 0.02, 1e6, 0.3, 1.2
 PLAIN = kg.Material(E, NU, density=DENSITY, expansion=1e-5)
 
@@ -152,10 +155,16 @@ Trial = dict[str, tuple[str, str]]  # of each column: "yes", "no", "but" or "-",
 PLAIN_SHEET: dict[str, set[str]] = {}  # of each column: what the sheet says by itself
 
 
+@cache
+def square(edge: float) -> kg.TriMesh:
+    """The mesh of all sheets."""
+    return kg.Sheet([(0, 0), (1, 0), (1, 1), (0, 1)]).mesh(edge)
+
+
 def sheet(column: str, material: SheetMaterial = PLAIN, edge: float = 0.3) -> kg.Model:
     """A square sheet on a rung, held along its left side."""
     thickness = None if isinstance(material, kg.Laminate) else THICKNESS
-    mesh = kg.Sheet([(0, 0), (1, 0), (1, 1), (0, 1)]).mesh(edge)
+    mesh = square(edge)
     dim, rung = (2, "plate") if column == "plane" else (3, column)
     m = kg.Model.from_mesh(mesh, thickness, material, rung, dim=dim)
     m.add(kg.Fix(left(m), clamp=dim == 3))
@@ -196,6 +205,55 @@ def tangent_with(column: str, adds: Adds) -> Any:
     return kg.System(m).stiffness()
 
 
+def handed(how: str, add: Callable[[kg.Model], Any], material: SheetMaterial = PLAIN) -> None:
+    """The sheet with an object written for another program."""
+    m = sheet(TRUSTED, material)
+    add(m)
+    with tempfile.TemporaryDirectory() as folder:
+        getattr(m, how)(Path(folder) / "sheet")
+
+
+def beside(add: Callable[[kg.Model], Any], material: SheetMaterial = PLAIN) -> None:
+    """The tangent at rest of the sheet with an object and self-contact."""
+    m = sheet(TRUSTED, material)
+    add(m)
+    m.add(kg.SelfContact())
+    kg.System(m).stiffness()
+
+
+def goes_with(trial: Trial, add: Callable[[kg.Model], Any], material: SheetMaterial = PLAIN) -> Trial:
+    """Whether what the trusted rung takes is taken by other programs, and beside self-contact."""
+    trials = [partial(handed, "to_abaqus"), partial(handed, "to_openseespy"), beside]
+    said = dict(trial)
+    for column, ask in zip(BEYOND_RUNGS, trials):
+        said[column] = ("-", "") if trial[TRUSTED][0] in "no-" else asked(partial(ask, add, material))
+    return said
+
+
+def asked(ask: Callable[[], Any]) -> tuple[str, str]:
+    """"yes", or "no" and what was said."""
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", kg.KirigamiWarning)
+            ask()
+    except kg.KirigamiError as refusal:
+        return "no", str(refusal)
+    return "yes", ""
+
+
+@cache
+def stretched(column: str) -> kg.Results:
+    """The sheet, stretched a little."""
+    m = sheet(column, edge=0.6)
+    m.add(kg.Prescribe(right(m), x=1e-3))
+    return kg.DisplacementControl(m, step=1.0, corrector="newton").run()
+
+
+def gradient_by(column: str, what: str) -> Any:
+    """The gradient of a force by what the facets of a sheet have."""
+    return stretched(column).gradient(("force", "driven_0", "x"), what)
+
+
 def analysed(column: str, make: Callable[[kg.Model], Any]) -> Any:
     """An analysis of the sheet, pushed along one side and driven at the other."""
     m = sheet(column)
@@ -208,12 +266,13 @@ def rows() -> dict[str, list[tuple[str, str, Trial]]]:
     found: dict[str, list[tuple[str, str, Trial]]] = {kind: [] for kind in HEADINGS}
     for name, remark, material in MADE_OF:
         trial = tried(partial(tangent_of, material=material))
-        found["material"].append((name, remark, trial))
+        found["material"].append((name, remark, goes_with(trial, lambda m: None, material)))
     for name, rungs in BY_THE_RUNG.items():
         said = {column: ("yes" if column in rungs else "-", "") for column in COLUMNS}
-        found["element"].append((name, "", said))
+        found["element"].append((name, "", goes_with(said, lambda m: None)))
     for name, remark, adds in ADDED:
         trial = tried(partial(tangent_with, adds=adds))
+        trial = goes_with(trial, lambda m, adds=adds: m.add(adds(m)))  # type: ignore[misc]
         found[getattr(kg, name).kind].append((name, remark, trial))
     for name, make in ANALYSES:
         found["analysis"].append((name, "", tried(partial(analysed, make=make))))
@@ -238,16 +297,26 @@ def page() -> str:
     lines = [HEAD]
     refused: dict[str, list[str]] = {}
     for kind, found in rows().items():
-        lines += [f"## {HEADINGS[kind]}", "", f"| | {' | '.join(COLUMNS)} | what it is |"]
-        lines += ["| --- " * (len(COLUMNS) + 2) + "|"]
+        columns = COLUMNS if kind == "analysis" else (*COLUMNS, *BEYOND_RUNGS)
+        lines += [f"## {HEADINGS[kind]}", "", f"| | {' | '.join(columns)} | what it is |"]
+        lines += ["| --- " * (len(columns) + 2) + "|"]
         for name, remark, trial in found:
-            marks = " | ".join(mark for mark, _ in trial.values())
+            marks = " | ".join(trial[column][0] for column in columns)
             summary = "" if remark else (inspect.getdoc(getattr(kg, name)) or "").partition("\n\n")[0]
             lines += [f"| {label(name, remark)} | {marks} | {_without_links(summary)} |"]
             for column, (_, said) in trial.items():
-                if said:
+                if said and column not in BEYOND_RUNGS[:2]:
                     refused.setdefault(f"{label(name, remark)}: {_first(said, column)}", []).append(column)
         lines += [""]
+    lines += ["## By what there are gradients", "", GRADIENTS, f"| | {' | '.join(COLUMNS)} |"]
+    lines += ["| --- " * (len(COLUMNS) + 1) + "|"]
+    for what in ("thickness", "E", "strain", "curvature", "positions"):
+        trial = tried(partial(gradient_by, what=what))
+        lines += [f"| `\"{what}\"` | {' | '.join(mark for mark, _ in trial.values())} |"]
+        for column, (_, said) in trial.items():
+            if said:
+                refused.setdefault(f"Gradients by `\"{what}\"`: {_first(said, column)}", []).append(column)
+    lines += [""]
     lines += ["## What is refused or warned of, and in which words", ""]
     lines += [f"* {sentence} ({', '.join(columns)})" for sentence, columns in refused.items()]
     lines += ["", "## What lies beyond", "", BEYOND, PRICE_HEAD, ""]
@@ -266,7 +335,12 @@ HEAD = """\
 This page is made by `tools/scope.py`, which puts every object on a small sheet on every rung: **yes** is taken, **no**
 is refused and **but** is taken with a warning, both with the sentence quoted below, **-** does not arise. "plane" is a
 sheet that stays in its plane (`dim=2`, of bars); "paper" and "plate" are bars and hinges, "facet" and "shell" facets:
-see `kg.stiffness`.
+see `kg.stiffness`. On the shell rung it is also tried what `model.to_abaqus` and `model.to_openseespy` hand over to
+other programs, which both refuse the rest in words, and what goes beside `kg.SelfContact`.
+"""
+GRADIENTS = """\
+Of any number that `results.gradient` knows, by what each facet has or where each node is; [gradients and
+design](design.md) has the rest.
 """
 PRICE_HEAD = """\
 ## What it costs

@@ -57,7 +57,7 @@ def to_abaqus(
     ------
     ModelError
         The model has no mesh, holds ties, effects or elements beyond the sheet, an orthotropic material or a laminate
-        on facets that do not face +z, rubber, or an argument is wrong.
+        on facets that do not face +z, rubber, a material that yields, or an argument is wrong.
     KirigamiError
         The file cannot be written.
 

@@ -148,6 +148,13 @@ def test_what_cannot_be_handed_over_is_refused(write, tmp_path: Path) -> None:
         m.remove(item)
     with pytest.raises(kg.ModelError, match="needs a three-dimensional model made by Model.from_mesh"):
         write(kg.Model(), path)
+    for material, message in (
+        (kg.Material(E=1e9, yield_stress=1e6), "cannot hand over that Material.* yields"),  # it used to be elastic there
+        (kg.NeoHookean(E=1e6), "cannot hand over NeoHookean.* writes sheets of Material"),
+    ):
+        soft = kg.Model.from_mesh(m.mesh, 0.01, material, "shell")
+        with pytest.raises(kg.ModelError, match=message):
+            write(soft, path)
     with pytest.raises(kg.ModelError, match="targets must be finite load factors"):
         write(m, path, targets=[0.5, 0.5])
     with pytest.raises(kg.ModelError, match="increments must be a whole number of at least 1"):
