@@ -25,7 +25,6 @@ import shapely
 from numpy.typing import NDArray
 
 import kirigami as kg
-from kirigami.effects.contact import Contact, Plane
 from kirigami.post.friction import friction_coefficient
 from kirigami.results.contact import normal_forces, penetration
 
@@ -159,7 +158,7 @@ def pushed(body: Skin, at: kg.Step, push: float = PUSH) -> Floats:
 def pressed(shape: str, rows: int, max_edge: float) -> tuple[kg.Results, Floats, Floats]:
     """Stretch the body with its ends held GROUND over a plane: results, force on the ground, its deepest dent."""
     body = skin(shape, rows, max_edge)
-    ground = body.model.add(Contact(body.model.nodes, Plane((0, 0, -GROUND))))
+    ground = body.model.add(kg.Contact(body.model.nodes, kg.Plane((0, 0, -GROUND))))
     res = stretched(body)
     return res, normal_forces(res, ground).sum(axis=1), penetration(res, ground)
 

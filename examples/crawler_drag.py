@@ -24,7 +24,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 import kirigami as kg
-from kirigami.effects.contact import Contact, Plane
 from kirigami.results.contact import normal_forces
 
 ROWS, MAX_EDGE = 5, 4.0
@@ -47,7 +46,7 @@ def dragged(friction: float, shape: str = "triangle") -> tuple[Drag, Drag]:
     """Stretch the body, lower it onto the floor, and drag it from there, its tips ahead and its tips behind."""
     body = crawler.skin(shape, ROWS, MAX_EDGE)
     model = body.model
-    floor = model.add(Contact(model.nodes, Plane((0, 0, FLOOR)), friction=friction))
+    floor = model.add(kg.Contact(model.nodes, kg.Plane((0, 0, FLOOR)), friction=friction))
     stretched = crawler.stretched(body)
 
     def ends(along: float, up: float) -> None:

@@ -15,16 +15,15 @@ import math
 import numpy as np
 
 import kirigami as kg
-from kirigami import tilings
 
 SIDE, E, THICKNESS = 6.75e-3, 3.5e9, 1e-3
-JOINT = tilings.Ligament(E, THICKNESS, width=0.6e-3, length=1.5e-3).stiffness
+JOINT = kg.tilings.Ligament(E, THICKNESS, width=0.6e-3, length=1.5e-3).stiffness
 COLUMNS, ROWS = 5, 3
 
 
-def lattice(angle: float) -> tuple[tilings.Tiling, list[int], int, int]:
+def lattice(angle: float) -> tuple[kg.tilings.Tiling, list[int], int, int]:
     """The tiling, its pinned vertices, and the middles of the left and the right edge."""
-    cell = tilings.square_rhombus(angle, SIDE)
+    cell = kg.tilings.square_rhombus(angle, SIDE)
     piece = cell.patch(COLUMNS, ROWS, keep=lambda a, b, panel: panel == 0 or a < COLUMNS - 1)
     row, up = cell.lattice
     middle = ROWS // 2 * up

@@ -20,17 +20,16 @@ from collections.abc import Sequence
 import numpy as np
 
 import kirigami as kg
-from kirigami import tilings
-from kirigami.lattice.bloch import polarization
-from kirigami.lattice.framework import Framework
 
 JOINT = 1e-6
 ANGLES = (1.08, 1.25, 1.40, 1.52, 1.63, 1.72, 1.75, 1.92, 2.00, 2.20, 2.30, 2.40)
 
 
-def lattice(angle: float, columns: int, rows: int, clean: bool = True) -> tuple[tilings.Tiling, list[int], list[int]]:
+def lattice(
+    angle: float, columns: int, rows: int, clean: bool = True
+) -> tuple[kg.tilings.Tiling, list[int], list[int]]:
     """The tiling, and the vertices along its bottom and top edges."""
-    cell = tilings.kagome(angle)
+    cell = kg.tilings.kagome(angle)
     if clean:  # a scalene triangle stands on each hinge of the bottom row, an equilateral one hangs from the top row
         piece = cell.patch(columns, rows + 1, keep=lambda a, b, panel: b > 0 if panel == 0 else b < rows)
     else:
@@ -44,7 +43,7 @@ def lattice(angle: float, columns: int, rows: int, clean: bool = True) -> tuple[
     return piece, bottom, top
 
 
-def edge_stiffness(piece: tilings.Tiling, pushed: list[int], held: list[int], uniform: bool = False) -> float:
+def edge_stiffness(piece: kg.tilings.Tiling, pushed: list[int], held: list[int], uniform: bool = False) -> float:
     """Stiffness of an edge while the opposite one is pinned.
 
     At one hinge: one over the largest compliance of the middle hinge in any direction. Uniform: force per
@@ -72,7 +71,7 @@ def push_forces(angle: float, columns: int, rows: int, pushes: Sequence[float]) 
 
 
 def push(
-    piece: tilings.Tiling, pushed: list[int], held: list[int], inward: float, pushes: Sequence[float]
+    piece: kg.tilings.Tiling, pushed: list[int], held: list[int], inward: float, pushes: Sequence[float]
 ) -> tuple[list[float], kg.Results]:
     """Force on the middle hinge of an edge, driven along y and free along x, at each of the pushes."""
     model = piece.model(EA=1.0, stiffness=JOINT)
@@ -92,12 +91,12 @@ def contrast(angle: float, columns: int, rows: int, uniform: bool = False, clean
 
 def main(angles: Sequence[float] = ANGLES) -> float:
     """Growth of the contrast from 15 x 10 to 30 x 16 cells at the angle nearest to 1.92 rad, inside the interval."""
-    critical = tilings.critical_angles()
+    critical = kg.tilings.critical_angles()
     print("critical twist angles:", ", ".join(f"{angle:.4f}" for angle in critical))
     print("angle  polarisation   15x10   30x16   uniform 15x10   loose corners 15x10")
     growth = 0.0
     for angle in angles:
-        toward = polarization(Framework.from_tiling(tilings.kagome(angle))) + 0.0
+        toward = kg.bloch.polarization(kg.Framework.from_tiling(kg.tilings.kagome(angle))) + 0.0
         small, large = contrast(angle, 15, 10), contrast(angle, 30, 16)
         together, loose = contrast(angle, 15, 10, uniform=True), contrast(angle, 15, 10, clean=False)
         toward_text = f"({toward[0]:4.1f},{toward[1]:4.1f})"
@@ -140,7 +139,7 @@ def pictures() -> None:
         ])  # fmt: skip
         ax.semilogy(ANGLES, both[:, 0], style, color="#0072b2", label=f"bottom, {columns} x {rows}")
         ax.semilogy(ANGLES, both[:, 1], style, color="#d55e00", label=f"top, {columns} x {rows}")
-    low, _, high = tilings.critical_angles()
+    low, _, high = kg.tilings.critical_angles()
     ax.axvspan(low, high, color="#eeeeee", zorder=0)
     ax.text((low + high) / 2, 1.02, "polarised", ha="center", transform=ax.get_xaxis_transform(), fontsize="small")
     ax.set(xlabel="twist angle [rad]", ylabel="stiffness at one hinge [EA / side]")
@@ -148,8 +147,8 @@ def pictures() -> None:
     figure.savefig("polarised_lattice_sweep.png", dpi=150)
     plt.close(figure)
 
-    start = tilings.kagome(1.08).patch(6, 5)
-    twist = [tilings.kagome(angle).patch(6, 5).vertices - start.vertices for angle in np.linspace(1.08, 2.40, 30)]
+    start = kg.tilings.kagome(1.08).patch(6, 5)
+    twist = [kg.tilings.kagome(angle).patch(6, 5).vertices - start.vertices for angle in np.linspace(1.08, 2.40, 30)]
     animate_path(start, twist, "polarised_lattice_twist.gif", frames=30)
 
 

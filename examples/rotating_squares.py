@@ -15,21 +15,20 @@ import math
 import numpy as np
 
 import kirigami as kg
-from kirigami import tilings
 
 SIDE, JOINT, EA = 1.0, 1.0, 1e6
 
 
 def square_lattice(
     angle: float, cells: int, limit: bool = False, closing_moment: float = 0.0
-) -> tuple[tilings.Tiling, kg.Model, dict[str, list[kg.Node]]]:
+) -> tuple[kg.tilings.Tiling, kg.Model, dict[str, list[kg.Node]]]:
     """2 cells x 2 cells squares, held at the left: the tiling, the model, and the corners along its four edges."""
-    piece = tilings.rotating_squares(angle, SIDE).patch(cells, cells)
+    piece = kg.tilings.rotating_squares(angle, SIDE).patch(cells, cells)
     model = piece.model(EA=EA, stiffness=JOINT, closing_moment=closing_moment)
     if limit:
         model.add(*piece.angle_limits(model, stiffness=200 * JOINT, width=0.002))
     # Closed squares have whole sides on the border; opened a little, they show which corners lead.
-    x, y = tilings.rotating_squares(max(angle, 0.1), SIDE).patch(cells, cells).vertices.T
+    x, y = kg.tilings.rotating_squares(max(angle, 0.1), SIDE).patch(cells, cells).vertices.T
     edges = {
         name: [model.nodes[k] for k in np.flatnonzero(np.abs(values - at) < 1e-9)]
         for name, values, at in (("left", x, x.min()), ("right", x, x.max()), ("low", y, y.min()), ("high", y, y.max()))
@@ -40,7 +39,7 @@ def square_lattice(
 
 def stretch(
     angle: float, strain: float, cells: int = 2, limit: bool = False
-) -> tuple[tilings.Tiling, kg.Results, np.ndarray, np.ndarray, np.ndarray]:
+) -> tuple[kg.tilings.Tiling, kg.Results, np.ndarray, np.ndarray, np.ndarray]:
     """Drive the right edge: tiling, results, total force, and nominal strains along x and y."""
     piece, model, edges = square_lattice(angle, cells, limit)
     length = float(np.ptp(piece.vertices[:, 0]))

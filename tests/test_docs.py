@@ -113,6 +113,14 @@ def test_examples_run_from_what_they_import_and_reach_public_names_as_a_user_doe
         assert not deep & set(kg.__all__), f"{place}: say kg.{sorted(deep & set(kg.__all__))[0]}"
 
 
+@pytest.mark.parametrize("folder", ["tutorials", "examples"])
+def test_scripts_reach_public_names_as_a_user_does(folder: str) -> None:
+    for file in sorted((ROOT / folder).glob("*.py")):
+        parts = ast.walk(ast.parse(file.read_text(encoding="utf-8")))
+        deep = {name.name for item in parts if isinstance(item, ast.ImportFrom) for name in item.names}
+        assert not deep & set(kg.__all__), f"{file.name}: say kg.{sorted(deep & set(kg.__all__))[0]}"
+
+
 def test_every_package_that_is_asked_for_has_its_licence_told() -> None:
     setup = configparser.ConfigParser()
     setup.read(ROOT / "setup.cfg")

@@ -34,8 +34,8 @@ plt.show()
 #
 # `LoadControl` raises the load step by step, as somebody who puts on one weight after another. At the limit load there
 # is no equilibrium nearby any more. `on_instability="switch"` lets the truss run downhill to where it comes to rest,
-# and the result says what happened: where it snapped and how much energy was set free. (With the default, `"follow"`,
-# the analysis stops there with an error that carries the steps so far; see tutorial 9.)
+# and the result says what happened: where it snapped and how much energy was set free. (With `"follow"`, the default
+# for trusses, the analysis stops there with an error that carries the steps so far; see tutorial 9.)
 
 # %%
 loaded = kg.LoadControl(truss, to=0.2, on_instability="switch").run()

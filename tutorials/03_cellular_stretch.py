@@ -2,7 +2,9 @@
 # # 3. A cellular sheet, stretched by a fifth
 #
 # The main job of this package: a sheet full of cuts is clamped at two ends and pulled until the cells pop out of the
-# plane and open. Step by step: cuts, mesh, grips, imperfection, path, and what to read off the result.
+# plane and open. `kg.stretch(sheet, strain=0.2)` does all of it in one call, on shell facets, and chooses what is
+# chosen here; this is what stands behind it, step by step, on the cheapest rung: cuts, mesh, grips, imperfection, path,
+# and what to read off the result.
 
 # %%
 from __future__ import annotations

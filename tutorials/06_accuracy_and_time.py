@@ -80,9 +80,9 @@ print(study.recommend(0.1))
 # ## A band
 #
 # Far above buckling, a thin sheet is strongly curved. Flat facets cannot follow it without stretching, so on a coarse
-# mesh "facet" is too stiff; curved facets can hide too much length, and are too soft. `kg.study.bracket` runs both on
-# two meshes. Only where they close in on each other from two sides does the band between them hold the truth, and the
-# last line says whether they do.
+# mesh "facet" is too stiff; shell facets follow it, and may be a little too soft where one turns far.
+# `kg.study.bracket` runs both on two meshes. Only where they close in on each other from two sides does the band
+# between them hold the truth, and the last line says whether they do.
 
 # %%
 band = kg.study.bracket(case, 0.02)
@@ -99,7 +99,7 @@ print(band)
 # shows that it is the tips that want more, and some places that nobody thought of.
 
 # %%
-coarse = band.runs[3]  # the curved facets on the finer mesh
+coarse = band.runs[3]  # the shell facets on the finer mesh
 estimate = kg.study.estimate_error(coarse.results)
 print(estimate)
 estimate.plot()

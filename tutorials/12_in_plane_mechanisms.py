@@ -12,10 +12,6 @@ import math
 import numpy as np
 
 import kirigami as kg
-from kirigami import tilings
-from kirigami.lattice.bloch import guest_modes, polarization
-from kirigami.lattice.framework import Framework
-from kirigami.lattice.periodic import PeriodicCell
 
 # %% [markdown]
 # ## One hinge
@@ -45,7 +41,7 @@ for braces in ((), ((0, 2),), ((0, 2), (1, 3))):
     frame = kg.Model(dim=2)
     corners = frame.add(*(kg.Node(*corner) for corner in square))
     frame.add(*(kg.Bar(corners[i], corners[j], EA=1.0) for i, j in ((0, 1), (1, 2), (2, 3), (3, 0), *braces)))
-    print(f"square with {len(braces)} diagonals: {Framework.from_model(frame).rigidity()}")
+    print(f"square with {len(braces)} diagonals: {kg.Framework.from_model(frame).rigidity()}")
 
 # %% [markdown]
 # ## A mechanism followed at zero energy
@@ -54,8 +50,8 @@ for braces in ((), ((0, 2),), ((0, 2), (1, 3))):
 # equally along x and y.
 
 # %%
-open_squares = tilings.rotating_squares(angle=1.4).patch(2, 2)
-rigidity = Framework.from_tiling(open_squares, bracing="crossed").rigidity()
+open_squares = kg.tilings.rotating_squares(angle=1.4).patch(2, 2)
+rigidity = kg.Framework.from_tiling(open_squares, bracing="crossed").rigidity()
 print(f"rotating squares: {rigidity}")
 (mode,) = rigidity.shapes
 path = rigidity.framework.follow(mode, distance=2.0, steps=30)
@@ -67,8 +63,8 @@ path = rigidity.framework.follow(mode, distance=2.0, steps=30)
 # sin theta)) and Poisson's ratio -1.
 
 # %%
-cell = tilings.rotating_squares(angle=0.6)
-periodic = PeriodicCell(cell.model(EA=1e6, stiffness=1.0), cell.lattice, cell.images)
+cell = kg.tilings.rotating_squares(angle=0.6)
+periodic = kg.PeriodicCell(cell.model(EA=1e6, stiffness=1.0), cell.lattice, cell.images)
 compliance = np.linalg.inv(periodic.stiffness())
 print(
     f"rotating squares: E = {1 / compliance[0, 0]:.3f}, closed form {8 / (1 - math.sin(0.6)):.3f}; "
@@ -88,7 +84,7 @@ slits = [[(-6, 2.5), (6, 2.5)], [(4, 7.5), (16, 7.5)]]
 onset = {}
 for thickness in (0.1, 0.05):
     sheet = kg.CellSheet([(20, 0), (0, 10)], slits, thickness, kg.Material(E=4000.0, nu=0.3))
-    sheet_cell = PeriodicCell(kg.Model.from_mesh(sheet.mesh(10.0, 5.0), stiffness="facet"), sheet.lattice)
+    sheet_cell = kg.PeriodicCell(kg.Model.from_mesh(sheet.mesh(10.0, 5.0), stiffness="facet"), sheet.lattice)
     found = sheet_cell.buckling((None, 1.0, 0.0))  # strains along x, along y, of shear: free, driven, none
     onset[thickness] = found.strain[1]
     stretching = np.diag(sheet_cell.section())[:2] / (4000.0 * thickness)
@@ -104,9 +100,10 @@ print(f"twice as thick, {onset[0.1] / onset[0.05]:.3f} times the strain: bending
 
 # %%
 for angle in (1.08, 1.92):
-    kagome = Framework.from_tiling(tilings.kagome(angle))
-    (twist,) = guest_modes(kagome)
-    print(f"angle {angle}: polarisation {polarization(kagome) + 0.0}, Poisson's ratio of the twist {twist.poisson:.3f}")
+    kagome = kg.Framework.from_tiling(kg.tilings.kagome(angle))
+    (twist,) = kg.bloch.guest_modes(kagome)
+    soft = kg.bloch.polarization(kagome) + 0.0
+    print(f"angle {angle}: polarisation {soft}, Poisson's ratio of the twist {twist.poisson:.3f}")
 
 # %% [markdown]
 # ## The soft edge
@@ -118,7 +115,7 @@ for angle in (1.08, 1.92):
 # %%
 def edge_stiffness(angle: float, columns: int, rows: int, pushed: str) -> float:
     """Force over displacement of the middle hinge of an edge, in its softest direction."""
-    cell = tilings.kagome(angle)
+    cell = kg.tilings.kagome(angle)
     piece = cell.patch(columns, rows + 1, keep=lambda a, b, panel: b > 0 if panel == 0 else b < rows)
     model = piece.model(EA=1.0, stiffness=1e-6)
     height = piece.vertices[:, 1].max()

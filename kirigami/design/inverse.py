@@ -31,7 +31,8 @@ class Inverse:
 
     Each design goes on from the equilibria of the last one; where its branch ends, or the shape leaps, it is walked
     from flat once more. Derivatives are those of the adjoint method. The answer is walked from flat on a finer mesh,
-    and the targets are corrected by the difference until it is met there.
+    and the targets are corrected by the difference until it is met there. Many designs may do nearly the same: targets
+    that are met within 1 % say little of how near the parameters are to those of another sheet that meets them.
 
     Parameters
     ----------

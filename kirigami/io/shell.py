@@ -152,8 +152,8 @@ def _parts(
             raise ModelError(f"{owner} cannot hand over {material!r}: it writes sheets of {known} only")
         if getattr(material, "yields", False):
             raise ModelError(
-                f"{owner} cannot hand over that {material!r} yields: hand over a sheet with hardening=None, which stays "
-                "elastic, and give the other program its own law"
+                f"{owner} cannot hand over that {material!r} yields: hand over a sheet with hardening=None, which "
+                "stays elastic, and give the other program its own law"
             )
         found.append((height, material, np.flatnonzero(which.ravel() == part)))
     return found

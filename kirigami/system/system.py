@@ -71,8 +71,8 @@ class System(Lowered):
             names = ", ".join(kernel.name for kernel in self._coupled)
             others = " and ".join(dict.fromkeys(group.words for group in self.grips.groups))
             raise ModelError(
-                f"{names} does not go with {others}: hold and move nodes by Fix and Prescribe, and take a finite sheet in "
-                "the place of a periodic cell"
+                f"{names} does not go with {others}: hold and move nodes by Fix and Prescribe, and take a finite "
+                "sheet in the place of a periodic cell"
             )
         self.couplings = CouplingPlan(self.unknown, self.free, self.dim) if self._coupled else None
         self._blocks_plan: BlockPlan | None = None

@@ -149,7 +149,7 @@ def test_what_cannot_be_handed_over_is_refused(write, tmp_path: Path) -> None:
     with pytest.raises(kg.ModelError, match="needs a three-dimensional model made by Model.from_mesh"):
         write(kg.Model(), path)
     for material, message in (
-        (kg.Material(E=1e9, yield_stress=1e6), "cannot hand over that Material.* yields"),  # it used to be elastic there
+        (kg.Material(E=1e9, yield_stress=1e6), "cannot hand over that Material.* yields"),  # was elastic there
         (kg.NeoHookean(E=1e6), "cannot hand over NeoHookean.* writes sheets of Material"),
     ):
         soft = kg.Model.from_mesh(m.mesh, 0.01, material, "shell")
