@@ -123,8 +123,8 @@ def plot_results(
         ax, place = suitable_axes(held, looking, bar)
     picture = Picture(results, ax, field, edges, cmap, fine=True)
     picture.scale_colors(values)
+    frame(ax, held, looking)  # first, since lines stand a little nearer to who looks, from where that is
     picture.update(points, values)
-    frame(ax, held, looking)
     if results.units and looking == "top":
         style.axes_in_unit(ax, float(np.ptp(held[:, :2], axis=0).max()))
     if bar:
@@ -222,6 +222,12 @@ class Field:
     def diverging(self) -> bool:
         return self.key in ("force", "strain")
 
+    def map(self) -> Any:
+        """The colours of its own."""
+        if self.diverging:
+            return style.diverging_map()
+        return style.rising_map() if self.key == "plastic strain" else style.sequential_map()
+
     def at(self, number: int) -> Floats | None:
         """Values per cell, or of a smooth field per sector, at a stored step; None for plain colour."""
         results = self.results
@@ -278,7 +284,7 @@ class Picture:
         require_choice(edges, EDGES, "edges", "plot")
         self.ax, self.results, self.field = ax, results, field
         if cmap is None:
-            cmap = style.diverging_map() if field.diverging else style.sequential_map()
+            cmap = field.map()
         elif isinstance(cmap, str):
             cmap = colormaps[cmap]
         self.mappable = ScalarMappable(Normalize(0, 1), cmap)

@@ -263,6 +263,13 @@ def sequential_map() -> Any:
     return colormaps["viridis"]
 
 
+def rising_map() -> Any:
+    """Pale grey over orange to a dark red, for what is nothing on most of a sheet: there its light and folds are seen."""
+    from matplotlib.colors import LinearSegmentedColormap
+
+    return LinearSegmentedColormap.from_list("rising", [PALE, "#e69f00", VERMILION, "#6b1f00"])
+
+
 def diverging_map() -> Any:
     """Blue over grey to vermilion; grey and not white in the middle, so that an idle bar is still seen."""
     from matplotlib.colors import LinearSegmentedColormap
