@@ -15,6 +15,7 @@ import importlib
 import inspect
 import re
 import sys
+import textwrap
 import warnings
 from pathlib import Path
 from typing import Any
@@ -22,12 +23,19 @@ from typing import Any
 import numpy as np
 
 import kirigami
+from kirigami.plot import style
 
 ROOT = Path(__file__).parent.parent
 FOLDER = ROOT / "tests" / "validation"
 ROWS, PAGE, PICTURES = ROOT / "docs" / "validation.csv", ROOT / "docs" / "validation.md", ROOT / "docs" / "images"
 RUNGS = ("shell", "facet", "plate", "paper", "bars")
-COLOURS = {"shell": "tab:blue", "facet": "tab:orange", "plate": "tab:green", "paper": "tab:red", "bars": "tab:blue"}
+COLOURS = dict(zip(RUNGS, (style.BLUE, style.VERMILION, style.GREEN, "#cc79a7", style.BLUE)))
+HEADINGS = {
+    "macneal_harder": "MacNeal and Harder",
+    "sze": "Sze, Liu and Lo",
+    "timoshenko": "Timoshenko and Gere",
+}
+SIDE_BY_SIDE = 4  # pictures without a curve, at most
 FIELDS = ("source", "case", "rung", "error", "nodes", "seconds")
 
 
@@ -50,6 +58,7 @@ def triangles_of(model: Any) -> Any:
     return None if edges is None else edges.triangles
 
 
+@style.styled
 def draw(source: str, case: Any, outcomes: dict[str, Any]) -> None:
     """The last shape on the best rung, and the curves of all rungs over the published points."""
     from matplotlib import pyplot as plt
@@ -59,13 +68,14 @@ def draw(source: str, case: Any, outcomes: dict[str, Any]) -> None:
     if best is None or (facets := triangles_of(best.model)) is None:
         return
     figure = plt.figure(figsize=(7.0 if curve else 3.2, 2.8), layout="constrained")
-    shape = figure.add_subplot(1, 2 if curve else 1, 1, projection="3d")
+    shape = figure.add_subplot(1, 2 if curve else 1, 1, projection="3d", proj_type="ortho")
     rest, u = best.rest, best.u[-1]
     size = float(np.ptp(rest, axis=0).max())
     grow = 1.0 if np.abs(u).max() > 0.02 * size else 0.15 * size / max(np.abs(u).max(), 1e-300)
     at = rest + grow * u
-    shape.plot_trisurf(*at.T, triangles=facets, color="0.85", edgecolor="0.35", linewidth=0.15)
-    shape.set_box_aspect(np.maximum(np.ptp(at, axis=0), 0.05 * size))
+    shape.plot_trisurf(*at.T, triangles=facets, color=style.PALE, edgecolor=style.GREY, linewidth=0.2)
+    shape.set_box_aspect(np.maximum(np.ptp(at, axis=0), 0.05 * size), zoom=1.25)
+    shape.view_init(*style.DEFAULT_VIEW)
     shape.set_axis_off()
     if curve:
         axes = figure.add_subplot(1, 2, 2)
@@ -74,14 +84,13 @@ def draw(source: str, case: Any, outcomes: dict[str, Any]) -> None:
             found = np.asarray(outcome.found.values, float).reshape(wanted.shape)
             for k in range(wanted.shape[1]):
                 axes.plot(case.at, found[:, k], color=COLOURS[rung], label=rung if k == 0 else None)
-        axes.plot(case.at, wanted, "ko", markersize=3.5)
-        axes.plot([], [], "ko", markersize=3.5, label="published")
+        axes.plot(case.at, wanted, "o", color=style.INK, markersize=3.5)
+        axes.plot([], [], "o", color=style.INK, markersize=3.5, label="published")
         axes.set_xlabel(case.axis)
-        axes.set_ylabel(case.quantity)
-        axes.legend(frameon=False)
-        axes.spines[["top", "right"]].set_visible(False)
+        axes.set_ylabel(textwrap.fill(case.quantity, 28))
+        figure.legend(loc="outside lower right", ncols=4)
     PICTURES.mkdir(exist_ok=True)
-    figure.savefig(PICTURES / picture_name(source, case), dpi=90)
+    figure.savefig(PICTURES / picture_name(source, case), dpi=110)
     plt.close(figure)
 
 
@@ -118,6 +127,21 @@ def percent(value: float) -> str:
     return f"{100 * value:.2f} %" if value < 0.1 else f"{100 * value:.0f} %"
 
 
+def shown(cases: list[Any], source: str) -> list[str]:
+    """The pictures of cases: those with a curve by themselves, the others side by side over their names."""
+    text = []
+    alone = [case for case in cases if len(case.at) > 1]
+    for case in alone:
+        text += [f"![{case.name}](images/{picture_name(source, case)})", "", f"*{case.name}*", ""]
+    others = [case for case in cases if case not in alone]
+    most = -(-len(others) // -(-len(others) // SIDE_BY_SIDE)) if others else 1  # rows of one length, as far as may be
+    for first in range(0, len(others), most):
+        row = others[first : first + most]
+        text += [f"| {' | '.join(f'![{case.name}](images/{picture_name(source, case)})' for case in row)} |"]
+        text += ["| --- " * len(row) + "|", f"| {' | '.join(case.name for case in row)} |", ""]
+    return text
+
+
 def page(modules: dict[str, Any], rows: dict[tuple[str, str, str], dict[str, str]]) -> str:
     """The page, from the rows."""
     done = [(name, case) for name, module in modules.items() for case in module.CASES]
@@ -140,7 +164,8 @@ def page(modules: dict[str, Any], rows: dict[tuple[str, str, str], dict[str, str
     ]
     for name, module in modules.items():
         lines = [line.strip() for line in (inspect.getdoc(module) or "").split("\n\n")]
-        text += [f"## {name.replace('_', ' ').capitalize()}", "", *(" ".join(p.split()) + "\n" for p in lines)]
+        heading = HEADINGS.get(name, name.replace("_", " ").capitalize())
+        text += [f"## {heading}", "", *(" ".join(p.split()) + "\n" for p in lines)]
         text += ["| case | compared | rung | error | bound | nodes | seconds |", "| " + "--- | " * 6 + "--- |"]
         causes = []
         for case in module.CASES:
@@ -161,9 +186,7 @@ def page(modules: dict[str, Any], rows: dict[tuple[str, str, str], dict[str, str
         for cause in dict.fromkeys(cause for cause, _ in causes):
             where = ", ".join(place for said, place in causes if said == cause)
             text += [f"*Missed because {cause}:* {where}.", ""]
-        for case in module.CASES:
-            if (PICTURES / picture_name(name, case)).exists():
-                text += [f"![{case.name}](images/{picture_name(name, case)})", ""]
+        text += shown([case for case in module.CASES if (PICTURES / picture_name(name, case)).exists()], name)
     return "\n".join(text).rstrip() + "\n"
 
 

@@ -22,7 +22,7 @@ FLAT = "facets of constant strain are stiff on the ligaments beside a slit; the 
 SOFT = "the published constants make a sheet about 36 times softer in bending than its material"
 
 THIN = "the published constants take 0.85 of the stiffness along the sheet, and ligaments in tension bear the force"
-LIPS = "not explained: the slit opens by three hundredths of its length, and the reference itself is sure to 2 %"
+LIPS = "of what is not known: the slit opens by three hundredths of its length, and the reference itself is sure to 2 %"
 
 solved = cache(run)
 
