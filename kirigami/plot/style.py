@@ -264,7 +264,7 @@ def sequential_map() -> Any:
 
 
 def rising_map() -> Any:
-    """Pale grey over orange to a dark red, for what is nothing on most of a sheet: there its light and folds are seen."""
+    """Pale grey over orange to dark red, for what is nothing on most of a sheet: there its light and folds are seen."""
     from matplotlib.colors import LinearSegmentedColormap
 
     return LinearSegmentedColormap.from_list("rising", [PALE, "#e69f00", VERMILION, "#6b1f00"])
