@@ -13,6 +13,7 @@ from slit_design import BOX, cuts, pulled
 import kirigami as kg
 from kirigami.design.search import Search
 from kirigami.design.starts import spread
+from kirigami.results.gradients.equilibrium import Equilibrium
 
 FORCE = ("force", "driven_0", "y")
 
@@ -89,6 +90,27 @@ def test_a_stiffness_and_a_poisson_ratio_are_met():
     targets = [(("stiffness", "driven_0", "y"), 0.5, slope), (("poisson_ratio",), 0.5, goal.poisson_ratio()[at[1]])]
     found = kg.Inverse(start, targets, corrections=None).run()
     assert found.values["inner"] == pytest.approx(0.8, abs=1e-3)
+
+
+def test_targets_at_one_load_factor_share_one_solution(monkeypatch):
+    start = design(edge=1.0, stiffness="plate")
+    solve, asked = Equilibrium.solve, []
+
+    def counted(self, right):
+        asked.append(right.shape[1])
+        return solve(self, right)
+
+    monkeypatch.setattr(Equilibrium, "solve", counted)
+    targets = [(FORCE, [0.5, 1.0], [1.0, 2.0]), (("height",), 1.0, 1.0), (("open_area",), 0.5, 1.0)]
+    problem = kg.Inverse(start, targets, [(("energy",), 1.0, None, 1e9)])
+    trial = Search(problem, start, None, False).trial(start.vector)
+    assert asked == [2, 3]
+    monkeypatch.undo()
+    for number, target in enumerate(targets):  # and answers are those of each alone
+        alone = Search(kg.Inverse(start, target), start, None, False).trial(start.vector)
+        row = [slice(0, 2), 2, 3][number]
+        assert trial.told[row] == pytest.approx(alone.told if number == 0 else alone.told[0], rel=1e-6)
+        assert trial.slopes[row] == pytest.approx(alone.slopes if number == 0 else alone.slopes[0], rel=1e-5)
 
 
 def test_nodes_by_number_are_not_taken_for_those_of_a_finer_mesh():

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from kirigami.results.gradients.equilibrium import Adjoint, Equilibrium
-from kirigami.results.gradients.functionals import tell_of
+from kirigami.results.gradients.functionals import Told, tell_of
 from kirigami.results.gradients.gradient import stiffness
 from kirigami.results.results import Results
 
@@ -21,12 +22,20 @@ class Asked(NamedTuple):
     parts: list[tuple[float, Adjoint]]
 
 
-def asked(functional: Any, at: Equilibrium, results: Results, slopes: bool = True) -> Asked:
-    """A functional at an equilibrium, without what derivatives need unless `slopes` are wanted."""
-    if isinstance(functional, tuple) and functional[0] == "stiffness":
-        return Asked(*stiffness(at, functional, results, "Inverse", slopes))
-    told = at.told(tell_of(functional, results, "Inverse"))
-    return Asked(told.value, [(1.0, at.adjoint(told))] if slopes else [])
+def asked(functionals: Sequence[Any], at: Equilibrium, results: Results, slopes: bool = True) -> list[Asked]:
+    """Functionals at an equilibrium, out of one solution for all of them but stiffnesses, which have two each; without
+    what derivatives need unless `slopes` are wanted."""
+    found: list[Any] = [None] * len(functionals)
+    told: dict[int, Told] = {}
+    for number, functional in enumerate(functionals):
+        if isinstance(functional, tuple) and functional[0] == "stiffness":
+            found[number] = Asked(*stiffness(at, functional, results, "Inverse", slopes))
+        else:
+            told[number] = at.told(tell_of(functional, results, "Inverse"))
+    adjoints = at.adjoints(list(told.values())) if slopes and told else [None] * len(told)
+    for (number, value), adjoint in zip(told.items(), adjoints):
+        found[number] = Asked(value.value, [] if adjoint is None else [(1.0, adjoint)])
+    return found
 
 
 def carries_over(functional: Any) -> bool:

@@ -108,12 +108,22 @@ class Branch:
         self.results = Results(system)  # nodes, supports and mesh are those of the design as it is now
         return found, critical
 
-    def asked(self, functional: Any, lam: float, slopes: bool = True) -> Asked:
-        """A functional at one of the load factors, or a critical load factor up to there."""
-        if isinstance(functional, tuple) and functional[0] == "critical":
-            point = self.points[functional[1]]
-            return Asked(point.lam, [(1.0, adjoint) for adjoint in point.adjoints()] if slopes else [])
-        return asked(functional, self.at[self.lams.index(lam)], self.results, slopes)
+    def asked(self, wanted: Sequence[tuple[Any, float]], slopes: bool = True) -> list[Asked]:
+        """Functionals, each at one of the load factors, or critical load factors up to there."""
+        found: list[Any] = [None] * len(wanted)
+        by_state: dict[int, list[int]] = {}
+        for number, (functional, lam) in enumerate(wanted):
+            if isinstance(functional, tuple) and functional[0] == "critical":
+                point = self.points[functional[1]]
+                parts = [(1.0, adjoint) for adjoint in point.adjoints()] if slopes else []
+                found[number] = Asked(point.lam, parts)
+            else:
+                by_state.setdefault(self.lams.index(lam), []).append(number)
+        for state, numbers in by_state.items():
+            told = asked([wanted[number][0] for number in numbers], self.at[state], self.results, slopes)
+            for number, answer in zip(numbers, told):
+                found[number] = answer
+        return found
 
 
 def rates(design: Design, adjoints: Sequence[Any]) -> Array:

@@ -63,8 +63,8 @@ class Search:
         self.branch = Branch(self.design, self.lams, self.critical)
         for number, target in enumerate(problem.targets):
             if np.isnan(self.scales[number]):  # a wish is measured by what the start does
-                told = abs(self.branch.asked(target.functional, float(target.lam[0]), slopes=False).value)
-                self.scales[number] = told or 1.0
+                told = self.branch.asked([(target.functional, float(target.lam[0]))], slopes=False)[0].value
+                self.scales[number] = abs(told) or 1.0
 
     # ---- one design
 
@@ -132,17 +132,18 @@ class Search:
 
     def _evaluated(self, x: Array) -> Trial:
         problem, branch = self.problem, self.branch
-        pieces, errors, scales = [], [], []
+        asked = self._asked
+        count = len(asked)
+        asked += [(bound.what, bound.lam) for bound in problem.constraints if not bound.drawn]
+        pieces = branch.asked(asked)
+        told = [piece.value for piece in pieces[:count]]
+        errors, scales, row = [], [], 0
         for target, shift, size in zip(problem.targets, self.shift, self.scales):
-            for lam, wanted, moved in zip(target.lam.tolist(), target.values, shift):
-                pieces.append(branch.asked(target.functional, lam))
-                scale = (target.wish or 1.0) / size
+            scale = (target.wish or 1.0) / size
+            for wanted, moved in zip(target.values, shift):
                 scales.append(scale)
-                errors.append(np.nan if target.wish else (pieces[-1].value - wanted + moved) * scale)
-        count, told = len(pieces), [piece.value for piece in pieces]
-        for bound in problem.constraints:
-            if not bound.drawn:
-                pieces.append(branch.asked(bound.what, bound.lam))
+                errors.append(np.nan if target.wish else (told[row] - wanted + moved) * scale)
+                row += 1
         slopes = combined(pieces, rates(branch.design, [part for piece in pieces for _, part in piece.parts]))
         bounds, bound_slopes, row = [], [], count
         for bound in problem.constraints:
@@ -185,16 +186,20 @@ class Search:
         ]
         return np.concatenate(scales), np.where(self._wished, 1.0, trial.errors)
 
+    @property
+    def _asked(self) -> list[tuple[Any, float]]:
+        """The functional and load factor of each value that is wanted."""
+        return [(target.functional, lam) for target in self.problem.targets for lam in target.lam.tolist()]
+
     def _thicker(self, design: Design, trial: Trial) -> Array | None:
         """Derivatives (facets,) of what is to be small by the thickness of each facet, over its area."""
-        asked = [(target.functional, lam) for target in self.problem.targets for lam in target.lam.tolist()]
         total = np.zeros(len(design.mesh.triangles))
         try:
             self.branch.go_to(design)
             parts = [
                 (weight * share, adjoint)
-                for weight, (functional, lam) in zip(np.prod(self._pull(trial), axis=0).tolist(), asked)
-                for share, adjoint in self.branch.asked(functional, lam).parts
+                for weight, piece in zip(np.prod(self._pull(trial), axis=0).tolist(), self.branch.asked(self._asked))
+                for share, adjoint in piece.parts
             ]
             for at in {id(adjoint.at): adjoint.at for _, adjoint in parts}.values():
                 weights, adjoints = zip(*(part for part in parts if part[1].at is at))
@@ -299,8 +304,8 @@ class Search:
         self.branch.factorizations += branch.factorizations
         found, worst = [], 0.0
         for target, size in zip(self.problem.targets, self.scales):
-            lams = target.lam.tolist()
-            told = np.array([branch.asked(target.functional, lam, slopes=False).value for lam in lams])
+            asked = [(target.functional, lam) for lam in target.lam.tolist()]
+            told = np.array([piece.value for piece in branch.asked(asked, slopes=False)])
             found.append(told)
             if not target.wish:
                 worst = max(worst, float(np.abs(told - target.values).max() / size))

@@ -40,7 +40,7 @@ if TYPE_CHECKING:
 def by_rest(kernel: ShellFacetKernel, x: Array, fields: Array, energies: Array) -> Array:
     """Derivatives (k, rows, 3) by the rest state of the work along `fields` (k, rows, 3) and `energies` (k,) times the
     energy."""
-    felt = kernel._fields(x)
+    felt = kernel._felt(x)
     by_director = np.zeros((len(fields), *kernel._rest_directors.shape))
     by_vectors = np.empty((len(fields), 5, 3, len(kernel.conn)))
     for look in kernel._looks(x):

@@ -27,7 +27,7 @@ from kirigami.elements.shell_geometry import (
     integrated,
 )
 from kirigami.elements.shell_membrane import Membrane
-from kirigami.elements.shell_rates import Look, looks
+from kirigami.elements.shell_rates import Look, Seen, looks
 from kirigami.elements.shell_rest import across, angle_scale, initial_directors, repeated
 from kirigami.primitives.kernel import EXACT, Array, CompiledKernel, Contribution, Tangent, displacement_of
 
@@ -93,7 +93,7 @@ class ShellFacetKernel(NaturalKernel):
         self.coupled = bool(np.any(section[:, :3, 3:]))
         self._natural = natural
         self._heat = heat
-        self._seen: tuple[Any, ...] = ()
+        self._seen: Seen | None = None
         self._scale()
 
     def arrays(self) -> dict[str, Any]:
@@ -262,15 +262,24 @@ class ShellFacetKernel(NaturalKernel):
 
     def _looks(self, x: Array) -> list[Look]:
         """What rates at positions x need whatever the field: several are asked for at the same place."""
-        if not self._seen or self._seen[1] is not self._directors or not np.array_equal(self._seen[0], x):
-            self._seen = np.array(x), self._directors, looks(self, x)
-        found: list[Look] = self._seen[2]
-        return found
+        return self._seen_at(x).looks
+
+    def _felt(self, x: Array) -> Array:
+        """As :meth:`_fields`, found once for all that is asked at the same place."""
+        seen = self._seen_at(x)
+        if seen.fields is None:
+            seen.fields = self._fields(x)
+        return seen.fields
+
+    def _seen_at(self, x: Array) -> Seen:
+        if self._seen is None or not self._seen.holds(x, self._directors):
+            self._seen = Seen(np.array(x), self._directors, looks(self, x))
+        return self._seen
 
     def sensitivity(self, x: Array, lam: float, v: Array, energy: float = 0.0) -> dict[str, Array]:
         """In closed form: by "section" (n, 6, 6), symmetric, and by the strain and curvature "natural" (n, 6), in the
         axes of :meth:`deformation`, at which the facets bear nothing."""
-        felt, rates = self._elastic(self._fields(x), lam), self._rates(x, v)
+        felt, rates = self._elastic(self._felt(x), lam), self._rates(x, v)
         both = rates + 0.5 * energy * felt
         section = np.einsum("nia,nib->nab", both, integrated(felt, self.chart.area))
         natural = -self._resultants(rates + energy * felt).sum(axis=1)

@@ -8,6 +8,7 @@ an edge, g inward and dual vectors g^A, everything is made of
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
@@ -192,6 +193,20 @@ class Rates(NamedTuple):
     stretch: Array
     bend: Array
     fields: Array
+
+
+@dataclass
+class Seen:
+    """What is known of the facets at positions `x`, counted from `directors`; strain and curvature once asked for."""
+
+    x: Array
+    directors: Array
+    looks: list[Look]
+    fields: Array | None = None
+
+    def holds(self, x: Array, directors: Array) -> bool:
+        """Whether nothing moved since."""
+        return self.directors is directors and np.array_equal(self.x, x)
 
 
 def looks(kernel: ShellFacetKernel, x: Array) -> list[Look]:

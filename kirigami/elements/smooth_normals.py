@@ -253,34 +253,48 @@ class _Paraboloids:
     def _onto_to(self) -> Any:
         return sums(self._to, len(self.normals))
 
+    @cached_property
+    def _seen(self) -> Array:
+        """The arms (3, pairs) along the axes of the paraboloids, over the scale."""
+        return np.stack([self._terms[:, 0], self._terms[:, 1], self._height])
+
+    @cached_property
+    def _fitted(self) -> Array:
+        """What was fitted (5, pairs) to each pair's point."""
+        return np.ascontiguousarray(self._terms_of.T[:, self._at])
+
+    @cached_property
+    def _left(self) -> Array:
+        """By how much each pair is missed (pairs,), times its weight."""
+        return np.asarray(self._weight * (self._height - (self._terms.T * self._fitted).sum(axis=0)))
+
     def back(self, by_normals: Array) -> tuple[Array, Array]:
         """Derivatives (n, 3) by the first guess and by the places of what has those `by_normals` (n, 3)."""
-        at, scale = self._at, self._scale[:, None]
         by_found = (by_normals - self.normals * (self.normals * by_normals).sum(axis=1)[:, None]) / self._stretch
-        by_normal = by_found.copy()
-        by_first, by_second = -self._slope[:, :1] * by_found, -self._slope[:, 1:] * by_found
         right = np.zeros((len(by_found), 5))
         right[:, 0] = -(by_found * self._first).sum(axis=1)
         right[:, 1] = -(by_found * self._second).sum(axis=1)
         right[~self._sound] = 0.0
         # s = M^-1 b of a sum over pairs: with M l = ds, what changes s is l.(db - dM s)
-        multiplier = np.linalg.solve(self._matrix, right[..., None])[:, :, 0][at]
-        fitted = self._terms_of[at]
-        left = self._height - (self._terms * fitted).sum(axis=1)
-        share = (multiplier * self._terms).sum(axis=1)
+        multiplier = np.linalg.solve(self._matrix, right[..., None])[:, :, 0].T[:, self._at]
+        x, y = self._seen[:2]
+        share = (multiplier * self._terms.T).sum(axis=0)
         by_height = self._weight * share
-        by_terms = -by_height[:, None] * fitted + (self._weight * left)[:, None] * multiplier
-        by_distance = -2 * self._weight * left * share / self._distance
-        x, y = self._terms[:, 0], self._terms[:, 1]
-        by_x = by_terms[:, 0] + 2 * x * by_terms[:, 2] + y * by_terms[:, 3]
-        by_y = by_terms[:, 1] + x * by_terms[:, 3] + 2 * y * by_terms[:, 4]
-        frame = ((by_x, self._first, by_first), (by_y, self._second, by_second), (by_height, self.normal, by_normal))
-        by_arm = (by_distance / self._distance)[:, None] * self._arm
-        arm = self._arm / scale
-        for rate, axis, by_axis in frame:
-            by_arm += (rate / self._scale)[:, None] * axis[at]
-            by_axis += self._onto_at @ (rate[:, None] * arm)
-        by_place = self._onto_to @ by_arm - self._onto_at @ by_arm
+        by_terms = self._left * multiplier - by_height * self._fitted
+        rates = np.stack([
+            by_terms[0] + 2 * x * by_terms[2] + y * by_terms[3], by_terms[1] + x * by_terms[3] + 2 * y * by_terms[4],
+            by_height,
+        ])  # fmt: skip
+        # by the arm along the axes of the paraboloid, and by these axes
+        by_arm = rates / self._scale - 2 * self._left * share * self._scale / self._distance**2 * self._seen
+        axes = np.stack([self._first, self._second, self.normal])  # (3, n, 3)
+        turned = [np.stack([self._onto_at @ (rate * arm) for arm in self._seen]) for rate in rates]
+        by_first, by_second, by_normal = (np.einsum("kn,kna->na", each, axes) for each in turned)
+        by_first -= self._slope[:, :1] * by_found
+        by_second -= self._slope[:, 1:] * by_found
+        by_normal += by_found
+        by_place = self._onto_to @ np.einsum("kp,kpa->pa", by_arm, axes[:, self._at])
+        by_place -= np.einsum("kn,kna->na", np.stack([self._onto_at @ rate for rate in by_arm]), axes)
         by_normal += np.cross(self._first, by_second)
         by_first += np.cross(by_second, self.normal)
         by_across = (by_first - self._first * (self._first * by_first).sum(axis=1)[:, None]) / self._across[:, None]

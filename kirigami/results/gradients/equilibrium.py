@@ -30,7 +30,7 @@ ENOUGH = 1e-9  # residual at which a search that goes no further has arrived
 SLOW = 0.1  # growth of the residual from one correction to the next at which the tangent is made anew
 ROUNDS = 25
 TURN = 0.3  # largest turn of a member in one correction [rad]
-EXACT = 1e-13  # residual of a solution
+EXACT = 1e-11  # residual of a solution, whose error a derivative feels as a share of right-hand side times change
 REFINED = 1e-9  # residual of a solution with a tangent close by, above which it is made anew
 
 
@@ -57,7 +57,7 @@ class Equilibrium:
         state = cls.__new__(cls)
         state.system, state.lam, state.owner, state.q = system, lam, owner, q
         state.u = system.displacement(q, lam)
-        state.factorizations = 0
+        state.factorizations, state._blocks = 0, None
         return state
 
     @property
@@ -65,9 +65,19 @@ class Equilibrium:
         """Number of negative eigenvalues of the tangent."""
         return int(self.factor.negative)
 
+    def take_tangent(self) -> None:
+        """The exact tangent here."""
+        self._blocks: Array | None = self.system.stiffness_blocks(self.u, self.lam)
+        self.matrix = self.system.matrix(self._blocks)
+
+    def _blocks_of_nodes(self) -> Array:
+        """Blocks of the tangent before anything is carried to the rows that lead."""
+        if self._blocks is None or self.system.grips is not None:
+            return self.system.stiffness_blocks(self.u, self.lam, carried=False)
+        return self._blocks
+
     def _factorize(self) -> None:
-        system = self.system
-        self.matrix = system.matrix(system.stiffness_blocks(self.u, self.lam))
+        self.take_tangent()
         try:
             self.factor = self._solver.factorize(self.matrix)
         except SingularMatrixError:
@@ -111,7 +121,7 @@ class Equilibrium:
             )
         self.residual, self.q = best
         self.u = system.displacement(self.q, self.lam)
-        self.matrix = system.matrix(system.stiffness_blocks(self.u, self.lam))
+        self.take_tangent()
 
     def solve(self, right: Array) -> Array:
         """Unknowns (free,) or (free, k) of the exact tangent: the factor may be that of a state close by, which is
@@ -122,15 +132,19 @@ class Equilibrium:
         if not size.any():
             return np.zeros_like(right)
         size = np.where(size > 0, size, 1.0)
-        answer, left = self.factor.solve(right), np.inf
+        answer = self.factor.solve(right)
+        rest = right - self.matrix @ answer
+        now = np.linalg.norm(rest, axis=0) / size
+        left = np.full_like(now, np.inf)
         for _ in range(8):
-            rest = right - self.matrix @ answer
-            now = float((np.linalg.norm(rest, axis=0) / size).max())
-            if now <= EXACT or now > 0.5 * left:
+            again = (now > EXACT) & (now <= 0.5 * left)  # each as long as that helps
+            if not again.any():
                 break
-            left = now
-            answer = answer + self.factor.solve(rest)
-        if now > REFINED and left > REFINED:
+            left[again] = now[again]
+            answer[:, again] += self.factor.solve(rest[:, again])
+            rest[:, again] = right[:, again] - self.matrix @ answer[:, again]
+            now[again] = np.linalg.norm(rest[:, again], axis=0) / size[again]
+        if not (np.minimum(now, left) <= REFINED).all():
             self._factorize()
             answer = self.factor.solve(right)
             answer = answer + self.factor.solve(right - self.matrix @ answer)
@@ -174,7 +188,7 @@ class Equilibrium:
             w[: system.points] = item.by_force[:, : system.dim]
             right = item.by_position[:, : system.dim].copy()
             if w.any():
-                blocks = system.stiffness_blocks(self.u, self.lam, carried=False) if blocks is None else blocks
+                blocks = self._blocks_of_nodes() if blocks is None else blocks
                 right += system.multiply(blocks, w)
             if item.by_energy:
                 right += item.by_energy * self._borne[1]
