@@ -71,9 +71,9 @@ class Bar(ModelObject):
     hardening : float or array_like, shape (k, 2)
         How that force grows with the accumulated plastic strain: a modulus [force], or a table of plastic strain and
         force that does not fall, constant beyond its end.
-    kinematic : float
-        Modulus of linear kinematic hardening [force]: the force about which the bar yields moves by this times the
-        plastic strain.
+    kinematic : float or array_like, shape (k, 2)
+        Kinematic hardening, how the force about which the bar yields follows the plastic strain: a modulus [force], or
+        a table of plastic strain and that force, from zero, that does not fall, constant beyond its end.
 
     Raises
     ------
@@ -114,7 +114,7 @@ class Bar(ModelObject):
         mass_per_length: float = 0.0,
         yield_force: float | None = None,
         hardening: float | ArrayLike = 0.0,
-        kinematic: float = 0.0,
+        kinematic: float | ArrayLike = 0.0,
     ) -> None:
         require_nodes("Bar", i=i, j=j)
         put = object.__setattr__

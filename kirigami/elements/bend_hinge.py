@@ -61,9 +61,10 @@ class BendHinge(ModelObject):
     hardening : float or array_like, shape (k, 2)
         How that moment grows with the accumulated plastic angle: a stiffness [force length / rad], or a table of angle
         and moment that does not fall, constant beyond its end.
-    kinematic : float
-        Stiffness of linear kinematic hardening [force length / rad]: the moment about which the hinge yields moves by
-        this times the plastic angle.
+    kinematic : float or array_like, shape (k, 2)
+        Kinematic hardening, how the moment about which the hinge yields follows the plastic angle: a stiffness
+        [force length / rad], or a table of plastic angle and that moment, from zero, that does not fall, constant
+        beyond its end.
 
     Raises
     ------
@@ -102,7 +103,7 @@ class BendHinge(ModelObject):
         target_angle: float | None = None,
         yield_moment: float | None = None,
         hardening: float | ArrayLike = 0.0,
-        kinematic: float = 0.0,
+        kinematic: float | ArrayLike = 0.0,
     ) -> None:
         require_nodes("BendHinge", i=i, j=j, k=k, l=l)
         put = object.__setattr__

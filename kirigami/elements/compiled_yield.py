@@ -28,7 +28,7 @@ class CompiledLayers(Layers):
         section = np.zeros((n if tangent else 0, 3, 6, 6))
         yield_loops.respond(
             np.ascontiguousarray(fields), np.ascontiguousarray(state), self.thickness, self.E, self.nu,
-            hardening.strain, hardening.stress, hardening.slope, hardening.work, hardening.kinematic, PLACES, WEIGHTS,
-            tangent, energy, borne, section, new,
+            hardening.strain, hardening.stress, hardening.slope, hardening.work, hardening.back, hardening.rise,
+            hardening.store, PLACES, WEIGHTS, tangent, energy, borne, section, new,
         )  # fmt: skip
         return energy, borne, section if tangent else None, new

@@ -11,7 +11,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from kirigami.elements.plane_stress import PlaneStress
+from kirigami.elements.plane_stress import STATE, PlaneStress
 from kirigami.primitives.hardening import Hardening
 from kirigami.primitives.kernel import Array
 
@@ -68,10 +68,10 @@ class Layers:
         self, fields: Array, state: Array, tangent: bool = True
     ) -> tuple[Array, Array, Array | None, Array]:
         """Energy per area (n, points), forces and moments (n, points, 6), their tangent (n, points, 6, 6) and the state
-        (n, points, layers, 4) at strain and curvature (n, points, 6), after an increment from `state`."""
+        (n, points, layers, 8) at strain and curvature (n, points, 6), after an increment from `state`."""
         n, count = fields.shape[:2]
         law, strain = self._points(fields)
-        stress, matrices, new = law.flow(strain, state.reshape(-1, 4), tangent)
+        stress, matrices, new = law.flow(strain, state.reshape(-1, STATE), tangent)
         share = 0.5 * self.thickness[:, None] * WEIGHTS
         height = self.height
         energy = law.energy(strain, new).reshape(n, count, LAYERS)
@@ -88,7 +88,7 @@ class Layers:
             section = np.empty((n, count, 6, 6))
             section[..., :3, :3], section[..., 3:, 3:] = A, D
             section[..., :3, 3:] = section[..., 3:, :3] = B
-        return per_area, borne, section, new.reshape(n, count, LAYERS, 4)
+        return per_area, borne, section, new.reshape(n, count, LAYERS, STATE)
 
     def dissipated(self, state: Array) -> Array:
         """Plastic work per area (n, points) that is lost by a state."""
@@ -100,5 +100,5 @@ class Layers:
     def stress(self, fields: Array, state: Array) -> Array:
         """Stress (n, points, layers, 3) at a state that has come to rest at strain and curvature (n, points, 6)."""
         law, strain = self._points(fields)
-        found = law.elastic(strain - state.reshape(-1, 4)[:, :3])
+        found = law.elastic(strain - state.reshape(-1, STATE)[:, :3])
         return found.reshape(*fields.shape[:2], LAYERS, 3)

@@ -1,13 +1,13 @@
-"""Bars and hinges that yield, with isotropic and linear kinematic hardening in one dimension.
+"""Bars and hinges that yield, with isotropic and kinematic hardening in one dimension.
 
 A bar of stiffness EA and strain e bears EA (e - p) along the measure of its strain, a hinge k (theta - theta_0 - p);
 the laws of :mod:`kirigami.primitives.hardening` say how the plastic part p follows. From one accepted equilibrium to
 the next the energy, per length of a bar,
 
-    EA (e - p)^2 / 2 + K p^2 / 2 + int N_y da,
+    EA (e - p)^2 / 2 + int b dp + int N_y da,
 
-is that after minimising over p and a: a potential of the force, with the consistent tangent
-EA (N_y' + K) / (EA + N_y' + K).
+with the back force b is that after minimising over p and a: a potential of the force, with the consistent tangent
+EA (N_y' + H') / (EA + N_y' + H').
 """
 
 from __future__ import annotations
@@ -26,15 +26,16 @@ from kirigami.primitives.kernel import Array, Kernel
 
 
 class YieldingKernel(Kernel):
-    """What bars and hinges that yield share, before the class of those that do not: the state of the flow (n, 2), which
-    is the plastic part and its accumulated size. `given` and `named` are what that class takes."""
+    """What bars and hinges that yield share, before the class of those that do not: the state of the flow (n, 4):
+    the plastic part, its accumulated size, the back force and what this has stored. `given` and `named` are what that
+    class takes."""
 
     path_dependent = True
 
     def __init__(self, rest: Array, *given: Any, yields: Array, **named: Any) -> None:
         super().__init__(rest, *given, **named)  # type: ignore[call-arg]
         self.hardening = Hardening.unpacked(yields)
-        self._state = np.zeros((len(self.conn), 2))
+        self._state = np.zeros((len(self.conn), 4))
 
     def arrays(self) -> dict[str, Any]:
         return {**super().arrays(), "yields": self.hardening.packed}
@@ -47,22 +48,22 @@ class YieldingKernel(Kernel):
             raise ModelError(YIELDS_AND_DRIVEN)
         super().actuate(members, values, constant)  # type: ignore[misc]
 
-    def _flow(self, stiffness: Array, felt: Array) -> tuple[Array, Array, Array, Array]:
-        return flow(stiffness, self.hardening, felt, self._state[:, 0], self._state[:, 1])
+    def _flow(self, stiffness: Array, felt: Array) -> tuple[Array, Array, Array]:
+        return flow(stiffness, self.hardening, felt, self._state)
 
     def _potential(self, stiffness: Array, felt: Array) -> tuple[Array, Array, Array]:
         """Energy, force and slope (n,) of the increment, per length of a bar."""
-        force, slope, plastic, accumulated = self._flow(stiffness, felt)
-        energy = 0.5 * force * (felt - plastic) + 0.5 * self.hardening.kinematic * plastic**2
-        return energy + self.hardening.dissipated(accumulated), force, slope
+        force, slope, new = self._flow(stiffness, felt)
+        energy = 0.5 * force * (felt - new[:, 0]) + new[:, 3]
+        return energy + self.hardening.dissipated(new[:, 1]), force, slope
 
     def plastic(self) -> Array:
         return np.array(self._state[:, 1])
 
 
 class YieldingBarKernel(YieldingKernel, BarKernel):
-    """Bars of one strain measure that yield; curves are in force over plastic strain. `history` is (n, 2): plastic
-    strain, and its accumulated size."""
+    """Bars of one strain measure that yield; curves are in force over plastic strain. `history` is the state of
+    the flow (n, 4)."""
 
     @property
     def history(self) -> Array | None:
@@ -70,11 +71,10 @@ class YieldingBarKernel(YieldingKernel, BarKernel):
 
     @history.setter
     def history(self, value: Array | None) -> None:
-        self._state = np.zeros((len(self.conn), 2)) if value is None else np.array(value, dtype=float)
+        self._state = np.zeros((len(self.conn), 4)) if value is None else np.array(value, dtype=float)
 
     def commit(self, x: Array) -> None:
-        _, _, plastic, accumulated = self._flow(self.EA, self.beyond(self.deformation(x), 0.0))
-        self._state = np.stack([plastic, accumulated], axis=1)
+        self._state = self._flow(self.EA, self.beyond(self.deformation(x), 0.0))[2]
 
     def _law(self, strain: Array) -> tuple[Array, Array, Array]:
         energy, force, slope = self._potential(self.EA, strain)
@@ -85,8 +85,8 @@ class YieldingBarKernel(YieldingKernel, BarKernel):
 
 
 class YieldingHingeKernel(YieldingKernel, BendHingeKernel):
-    """Bending hinges that yield; curves are in moment over plastic angle. `history` is (n, 3): angle, plastic angle,
-    and its accumulated size."""
+    """Bending hinges that yield; curves are in moment over plastic angle. `history` is (n, 5): the angle,
+    and the state of the flow."""
 
     @property
     def history(self) -> Array | None:
@@ -95,12 +95,11 @@ class YieldingHingeKernel(YieldingKernel, BendHingeKernel):
     @history.setter
     def history(self, value: Array | None) -> None:
         self._committed = self._initial.copy() if value is None else np.array(value[:, 0], dtype=float)
-        self._state = np.zeros((len(self.conn), 2)) if value is None else np.array(value[:, 1:], dtype=float)
+        self._state = np.zeros((len(self.conn), 4)) if value is None else np.array(value[:, 1:], dtype=float)
 
     def commit(self, x: Array) -> None:
         angle = self.deformation(x)
-        _, _, plastic, accumulated = self._flow(self.stiffness, angle - self.rest_angle)
-        self._committed, self._state = angle, np.stack([plastic, accumulated], axis=1)
+        self._committed, self._state = angle, self._flow(self.stiffness, angle - self.rest_angle)[2]
 
     def _law(self, excess: Array) -> tuple[Array, Array, Array]:
         return self._potential(self.stiffness, excess)

@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 
 from kirigami.elements.layers import LAYERS, Layers
 from kirigami.elements.natural import YIELDS_AND_DRIVEN
+from kirigami.elements.plane_stress import STATE
 from kirigami.elements.shell_geometry import AREA_PLACES
 from kirigami.elements.shell_kernel import Answer, ShellFacetKernel
 from kirigami.errors import ModelError
@@ -41,8 +42,8 @@ class Flown:
         Derivatives of the energy by strain and curvature at the corners.
     section : ndarray, shape (k, 3, 6, 6), or None
         Tangent sections at the points inside.
-    state : ndarray, shape (k, 3, layers, 4)
-        Plastic strains and the accumulated one, at the end of the increment.
+    state : ndarray, shape (k, 3, layers, 8)
+        Of each layer, see :mod:`kirigami.elements.plane_stress`, at the end of the increment.
     """
 
     facets: NDArray[np.int64]
@@ -72,8 +73,8 @@ def yield_constants(objects: Sequence[Any]) -> dict[str, Any]:
 class YieldingShellKernel(ShellFacetKernel):
     """All shell facets of a sheet of which some can yield; the arguments beyond those of elastic ones are per facet.
 
-    `history` is one row of numbers: the directors, how many layers have yielded, which these are, and their plastic
-    strains; so steps keep nothing of what is elastic.
+    `history` is one row of numbers: the directors, how many layers have yielded, which these are, and their
+    states; so steps keep nothing of what is elastic.
     """
 
     path_dependent = True
@@ -86,7 +87,7 @@ class YieldingShellKernel(ShellFacetKernel):
         self.hardening = Hardening.unpacked(yields)
         self.layers = Layers(thickness, E, nu, self.hardening)
         self._facets = np.zeros(0, dtype=np.int64)  # those that have yielded, in their order
-        self._states = np.zeros((0, POINTS, LAYERS, 4))
+        self._states = np.zeros((0, POINTS, LAYERS, STATE))
         self._refuse_drive()
 
     def arrays(self) -> dict[str, Any]:
@@ -111,7 +112,7 @@ class YieldingShellKernel(ShellFacetKernel):
     @property
     def history(self) -> Array | None:
         directors = np.asarray(super().history)
-        rows = self._states.reshape(-1, 4)
+        rows = self._states.reshape(-1, STATE)
         flown = np.flatnonzero(rows[:, 3])
         per_facet = POINTS * LAYERS
         which = self._facets[flown // per_facet] * per_facet + flown % per_facet
@@ -129,13 +130,15 @@ class YieldingShellKernel(ShellFacetKernel):
         which = value[size + 1 : size + 1 + count].astype(np.int64)
         facet, layer = np.divmod(which, POINTS * LAYERS)
         self._facets, place = np.unique(facet, return_inverse=True)
-        states = np.zeros((len(self._facets), POINTS * LAYERS, 4))
-        states[place, layer] = value[size + 1 + count :].reshape(count, 4)
-        self._states = states.reshape(-1, POINTS, LAYERS, 4)
+        states = np.zeros((len(self._facets), POINTS * LAYERS, STATE))
+        states[place, layer] = value[size + 1 + count :].reshape(count, STATE)
+        self._states = states.reshape(-1, POINTS, LAYERS, STATE)
 
     def fits(self, history: Array) -> bool:
         size = self._rest_directors.size
-        return history.ndim == 1 and len(history) > size and bool(len(history) == size + 1 + 5 * history[size])
+        if history.ndim != 1 or len(history) <= size:
+            return False
+        return bool(len(history) == size + 1 + (1 + STATE) * history[size])
 
     def commit(self, x: Array) -> None:
         flown = self.flow(self._elastic(self._fields(x), 0.0), tangent=False)
@@ -153,7 +156,7 @@ class YieldingShellKernel(ShellFacetKernel):
         on = layers.passed(inside)
         on[self._facets] = True
         facets = np.flatnonzero(on)
-        state = np.zeros((len(facets), POINTS, LAYERS, 4))
+        state = np.zeros((len(facets), POINTS, LAYERS, STATE))
         state[np.searchsorted(facets, self._facets)] = self._states
         energy, borne, section, new = layers.select(facets).respond(inside[facets], state, tangent)
         share = self.chart.area[facets] / POINTS

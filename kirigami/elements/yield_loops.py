@@ -11,17 +11,20 @@ from kirigami.elements.shell_loops import compiled
 
 
 @compiled
-def curve_at(strain, stress, slope, a):  # type: ignore[no-untyped-def]
-    """Yield stress, its slope and the number of the piece at an accumulated plastic strain."""
+def piece_at(strain, a):  # type: ignore[no-untyped-def]
+    """Number of the piece of a curve at an accumulated plastic strain, and how far it is into it."""
     k = 0
     while k + 1 < len(strain) and a >= strain[k + 1]:
         k += 1
-    return stress[k] + slope[k] * (a - strain[k]), slope[k], k
+    return k, a - strain[k]
 
 
 @compiled
-def multiplier(both, apart, slow, fast, size, limit, before, strain, stress, slope):  # type: ignore[no-untyped-def]
-    """The root g of 1 / q(g) = 1 / sigma_y(a(g)): Newton's method, with bisection where it leaves the bracket."""
+def multiplier(  # type: ignore[no-untyped-def]
+    both, apart, slow, fast, size, limit, before, start, strain, stress, slope, back, rise
+):
+    """The root g of 1 / q(g) = 1 / (sigma_y + H - H_0)(a(g)): Newton's method, with bisection where it leaves the
+    bracket."""
     low, high, g = 0.0, (size / limit - 1.0) / min(slow, fast), 0.0
     whole = high
     for _ in range(100):
@@ -29,10 +32,12 @@ def multiplier(both, apart, slow, fast, size, limit, before, strain, stress, slo
         square = both / (u * u) + apart / (v * v)
         fall = both * slow / (u * u * u) + apart * fast / (v * v * v)
         root = math.sqrt(square)
-        now, rise, _ = curve_at(strain, stress, slope, before + math.sqrt(2.0 / 3.0) * g * root)
+        k, way = piece_at(strain, before + math.sqrt(2.0 / 3.0) * g * root)
+        steep = slope[k] + rise[k]
+        now = stress[k] + back[k] - start + steep * way
         value = 1.0 / (math.sqrt(1.5) * root) - 1.0 / now
         growth = math.sqrt(2.0 / 3.0) * (root - g * fall / root)
-        change = fall / (math.sqrt(1.5) * root * square) + rise * growth / (now * now)
+        change = fall / (math.sqrt(1.5) * root * square) + steep * growth / (now * now)
         if value <= 0.0:
             low = g
         else:
@@ -65,58 +70,65 @@ def passed(inside, thickness, equal, shear, first, reach, found):  # type: ignor
 
 @compiled
 def respond(  # type: ignore[no-untyped-def]
-    inside, state, thickness, E, nu, strain, stress, slope, work, kinematic, places, weights, tangent,
+    inside, state, thickness, E, nu, strain, stress, slope, work, back, rise, store, places, weights, tangent,
     energy, borne, section, new,
 ):  # fmt: skip
     """Fill energy per area (n, 3), forces and moments (n, 3, 6), the tangent sections (n, 3, 6, 6) where `tangent`, and
-    the state (n, 3, layers, 4)."""
+    the state (n, 3, layers, 8)."""
     for f in range(len(inside)):
-        G, S, K = E[f] / (2.0 * (1.0 + nu[f])), E[f] / (1.0 - nu[f]), 2.0 / 3.0 * kinematic[f]
+        G, S = E[f] / (2.0 * (1.0 + nu[f])), E[f] / (1.0 - nu[f])
         for q in range(3):
             for layer in range(len(places)):
                 z = 0.5 * thickness[f] * places[layer]
                 share = 0.5 * thickness[f] * weights[layer]
                 p0, p1, p2 = state[f, q, layer, 0], state[f, q, layer, 1], state[f, q, layer, 2]
-                a = state[f, q, layer, 3]
+                a, behind = state[f, q, layer, 3], state[f, q, layer, 7]
+                b0, b1, b2 = state[f, q, layer, 4], state[f, q, layer, 5], state[f, q, layer, 6]
                 e0 = inside[f, q, 0] - z * inside[f, q, 3]
                 e1 = inside[f, q, 1] - z * inside[f, q, 4]
                 e2 = inside[f, q, 2] - z * inside[f, q, 5]
                 mean, half = 0.5 * S * (e0 - p0 + e1 - p1), G * (e0 - p0 - e1 + p1)
                 s0, s1, s2 = mean + half, mean - half, G * (e2 - p2)
-                n0, n1 = s0 - K * (2.0 * p0 + p1), s1 - K * (p0 + 2.0 * p1)
-                n2 = s2 - 0.5 * K * p2
+                n0, n1, n2 = s0 - b0, s1 - b1, s2 - b2
                 both, apart = (n0 + n1) ** 2 / 6.0, 0.5 * (n0 - n1) ** 2 + 2.0 * n2 * n2
                 size = math.sqrt(1.5 * (both + apart))
-                limit, rise, k = curve_at(strain[f], stress[f], slope[f], a)
+                k, way = piece_at(strain[f], a)
+                limit = stress[f, k] + slope[f, k] * way
                 X, Y, fade = S, 2.0 * G, 0.0  # of the matrix with these eigenvalues, and how much of m m' is taken away
                 m0 = m1 = m2 = 0.0
                 if size > limit * (1.0 + 1e-12):
+                    start = back[f, k] + rise[f, k] * way
+                    stored = store[f, k] + way * (back[f, k] + 0.5 * rise[f, k] * way)
                     g = multiplier(
-                        both, apart, S / 3.0 + K, 2.0 * G + K, size, limit, a, strain[f], stress[f], slope[f]
-                    )
-                    u, v = 1.0 / (1.0 + (S / 3.0 + K) * g), 1.0 / (1.0 + (2.0 * G + K) * g)
+                        both, apart, S / 3.0, 2.0 * G, size, limit, a, start,
+                        strain[f], stress[f], slope[f], back[f], rise[f],
+                    )  # fmt: skip
+                    u, v = 1.0 / (1.0 + S / 3.0 * g), 1.0 / (1.0 + 2.0 * G * g)
                     mean, half = 0.5 * u * (n0 + n1), 0.5 * v * (n0 - n1)
                     n0, n1, n2 = mean + half, mean - half, v * n2
                     d0, d1, d2 = (2.0 * n0 - n1) / 3.0, (2.0 * n1 - n0) / 3.0, 2.0 * n2
                     square = d0 * n0 + d1 * n1 + d2 * n2
-                    p0, p1, p2, a = p0 + g * d0, p1 + g * d1, p2 + g * d2, a + g * math.sqrt(2.0 / 3.0 * square)
+                    flown = g * math.sqrt(2.0 / 3.0 * square)
+                    p0, p1, p2, a = p0 + g * d0, p1 + g * d1, p2 + g * d2, a + flown
                     mean, half = 0.5 * S * (e0 - p0 + e1 - p1), G * (e0 - p0 - e1 + p1)
                     s0, s1, s2 = mean + half, mean - half, G * (e2 - p2)
-                    _, rise, k = curve_at(strain[f], stress[f], slope[f], a)
+                    k, way = piece_at(strain[f], a)
+                    behind += g * (b0 * d0 + b1 * d1 + b2 * d2) - start * flown - stored
+                    behind += store[f, k] + way * (back[f, k] + 0.5 * rise[f, k] * way)
+                    moved = (back[f, k] + rise[f, k] * way - start) / math.sqrt(1.5 * square)
+                    b0, b1, b2 = b0 + moved * n0, b1 + moved * n1, b2 + moved * n2
                     if tangent:
-                        c, t = 1.0 + K * g, 1.0 - 2.0 / 3.0 * rise * g
-                        X, Y = 1.0 / (c / S + g / 3.0), 1.0 / (c / (2.0 * G) + g)
+                        steep = slope[f, k] + rise[f, k]
+                        t = 1.0 - 2.0 / 3.0 * steep * g
+                        X, Y = 1.0 / (1.0 / S + g / 3.0), 1.0 / (1.0 / (2.0 * G) + g)
                         m0, m1 = 0.5 * (X + Y) * d0 + 0.5 * (X - Y) * d1, 0.5 * (X - Y) * d0 + 0.5 * (X + Y) * d1
                         m2 = 0.5 * Y * d2
-                        flow = m0 * d0 + m1 * d1 + m2 * d2
-                        fade = t / (2.0 / 3.0 * rise * square + t * (flow + K * square) / c)
-                        X, Y = c * X, c * Y
+                        fade = t / (2.0 / 3.0 * steep * square + t * (m0 * d0 + m1 * d1 + m2 * d2))
                 new[f, q, layer, 0], new[f, q, layer, 1], new[f, q, layer, 2] = p0, p1, p2
-                new[f, q, layer, 3] = a
-                stored = 0.5 * (s0 * (e0 - p0) + s1 * (e1 - p1) + s2 * (e2 - p2))
-                stored += K * (p0 * p0 + p0 * p1 + p1 * p1 + 0.25 * p2 * p2)
-                way = a - strain[f, k]
-                energy[f, q] += share * (stored + work[f, k] + way * (stress[f, k] + 0.5 * slope[f, k] * way))
+                new[f, q, layer, 3], new[f, q, layer, 7] = a, behind
+                new[f, q, layer, 4], new[f, q, layer, 5], new[f, q, layer, 6] = b0, b1, b2
+                held = 0.5 * (s0 * (e0 - p0) + s1 * (e1 - p1) + s2 * (e2 - p2)) + behind
+                energy[f, q] += share * (held + work[f, k] + way * (stress[f, k] + 0.5 * slope[f, k] * way))
                 borne[f, q, 0] += share * s0
                 borne[f, q, 1] += share * s1
                 borne[f, q, 2] += share * s2

@@ -57,6 +57,4 @@ def _arguments(name: str, curves: list[YieldCurve]) -> dict[str, Any]:
     if not curves:
         return {}
     curve = min(curves, key=lambda each: each.stress[0])
-    if len(curve.strain) == 1:
-        return {name: curve.stress[0], "hardening": curve.beyond, "kinematic": curve.kinematic}
-    return {name: curve.stress[0], "hardening": list(zip(curve.strain, curve.stress))[1:], "kinematic": curve.kinematic}
+    return {name: curve.stress[0], "hardening": curve}

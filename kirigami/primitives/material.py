@@ -30,7 +30,6 @@ from kirigami.primitives.checks import (
     require_finite,
     require_instance,
     require_items,
-    require_not_negative,
     require_positive,
 )
 from kirigami.primitives.hardening import YieldCurve, checked_curve, checked_table
@@ -117,9 +116,10 @@ class Material(SheetMaterial):
         How the yield stress grows with the accumulated plastic strain (isotropic hardening): a modulus
         [force / length^2], or a table of plastic strain and yield stress that does not fall, constant beyond its end.
         None keeps the material elastic, and results tell where the yield stress is passed.
-    kinematic : float
-        Modulus of linear kinematic hardening [force / length^2]: the stress about which the material yields moves by
-        this times the plastic strain in tension.
+    kinematic : float or array_like, shape (k, 2)
+        Kinematic hardening, how the stress about which the material yields follows the plastic strain in tension: a
+        modulus [force / length^2], or a table of accumulated plastic strain and that stress, from zero, that does not
+        fall, constant beyond its end.
     expansion : float, optional
         Strain per unit of heat, or of what else makes it swell; only where :class:`kirigami.Actuate` heats it.
 
@@ -143,7 +143,7 @@ class Material(SheetMaterial):
     density: float | None = None
     yield_stress: float | None = None
     hardening: float | tuple[tuple[float, float], ...] | None = 0.0
-    kinematic: float = 0.0
+    kinematic: float | tuple[tuple[float, float], ...] = 0.0
     expansion: float | None = field(default=None, kw_only=True)
 
     isotropic = True
@@ -159,7 +159,7 @@ class Material(SheetMaterial):
             object.__setattr__(self, "expansion", require_finite(self.expansion, "expansion", "Material"))
         if self.hardening is not None:
             object.__setattr__(self, "hardening", checked_table(self.hardening, "Material"))
-        object.__setattr__(self, "kinematic", require_not_negative(self.kinematic, "kinematic", "Material"))
+        object.__setattr__(self, "kinematic", checked_table(self.kinematic, "Material", "kinematic"))
         if self.yield_stress is not None:
             first = require_positive(self.yield_stress, "yield_stress", "Material")
             object.__setattr__(self, "yield_stress", first)

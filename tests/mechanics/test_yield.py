@@ -13,7 +13,7 @@ import shapely
 
 import kirigami as kg
 from kirigami.elements.layers import LAYERS, Layers
-from kirigami.elements.plane_stress import PlaneStress
+from kirigami.elements.plane_stress import STATE, PlaneStress
 from kirigami.primitives.hardening import Hardening, YieldCurve, bent, checked_curve
 
 E, NU, LIMIT, THICK = 70e9, 0.3, 150e6, 1e-3
@@ -22,6 +22,9 @@ CURVES = {
     "isotropic": YieldCurve((0.0,), (LIMIT,), beyond=2e9),
     "both": YieldCurve((0.0,), (LIMIT,), beyond=1e9, kinematic=3e9),
     "table": checked_curve(LIMIT, [(1e-3, 160e6), (3e-3, 162e6), (6e-3, 200e6)], 2e9, "Material", "yield_stress"),
+    "tables": checked_curve(
+        LIMIT, [(2e-3, 160e6)], [(1e-3, 30e6), (4e-3, 40e6), (9e-3, 60e6)], "Material", "yield_stress"
+    ),
 }
 PLASTIC_MOMENT = 2 / np.sqrt(3) * LIMIT * THICK**2 / 4
 
@@ -40,7 +43,7 @@ def test_the_tangent_of_a_section_is_that_of_its_forces_and_these_are_those_of_i
     """Also from a state that has yielded before; kinks of single layers lie within a difference hardly ever."""
     rng = np.random.default_rng(0)
     law = sections(60, CURVES[name])
-    state = law.respond(bent_and_stretched(rng, 60), np.zeros((60, 3, LAYERS, 4)))[3]
+    state = law.respond(bent_and_stretched(rng, 60), np.zeros((60, 3, LAYERS, STATE)))[3]
     fields = bent_and_stretched(rng, 60) + bent_and_stretched(rng, 60)
     _, forces, tangent, after = law.respond(fields, state)
     assert (after[..., 3] > state[..., 3]).mean() > 0.5  # most layers flow again
@@ -61,7 +64,7 @@ def test_the_compiled_layers_are_the_plain_ones(name):
 
     rng = np.random.default_rng(1)
     plain, fast = sections(20, CURVES[name]), sections(20, CURVES[name], CompiledLayers)
-    state = np.zeros((20, 3, LAYERS, 4))
+    state = np.zeros((20, 3, LAYERS, STATE))
     for _ in range(3):
         fields = bent_and_stretched(rng, 20)
         one, other = plain.respond(fields, state), fast.respond(fields, state)
@@ -75,7 +78,7 @@ def test_stress_stays_on_the_yield_surface():
     rng = np.random.default_rng(2)
     curve = CURVES["both"]
     law = PlaneStress(np.full(300, E), np.full(300, NU), Hardening.of([curve] * 300))
-    stress, _, state = law.flow(rng.normal(size=(300, 3)) * 5e-3, np.zeros((300, 4)), tangent=False)
+    stress, _, state = law.flow(rng.normal(size=(300, 3)) * 5e-3, np.zeros((300, STATE)), tangent=False)
     P, inverse = np.array([[2, -1, 0], [-1, 2, 0], [0, 0, 6]]) / 3, np.array([[2, 1, 0], [1, 2, 0], [0, 0, 0.5]])
     beyond = stress - 2 / 3 * curve.kinematic * state[:, :3] @ inverse
     size = np.sqrt(1.5 * ((beyond @ P) * beyond).sum(axis=1))
@@ -83,6 +86,51 @@ def test_stress_stays_on_the_yield_surface():
     assert flows.mean() > 0.9
     assert np.allclose(size[flows], (LIMIT + curve.beyond * state[:, 3])[flows], rtol=1e-12)
     assert (size[~flows] <= LIMIT * (1 + 1e-12)).all()
+
+
+# ---- pulled and pushed in one direction, in closed form
+
+ISOTROPIC, BACK = [(2e-3, 160e6), (8e-3, 165e6)], [(1e-3, 30e6), (4e-3, 40e6), (9e-3, 60e6)]
+
+
+def cycle():
+    """Plastic strains and stresses of a bar that is pulled to a plastic strain p1 and pushed back by d: the back stress
+    moves by the table's own rises, towards the side that flows."""
+    yields_at = lambda a: np.interp(a, *zip((0.0, LIMIT), *ISOTROPIC))  # noqa: E731
+    back_at = lambda a: np.interp(a, *zip((0.0, 0.0), *BACK))  # noqa: E731
+    out, back = np.linspace(0, 3e-3, 4), np.linspace(0, 7e-3, 8)  # with all kinks of both tables
+    pulled = yields_at(out) + back_at(out)
+    pushed = 2 * back_at(out[-1]) - back_at(out[-1] + back) - yields_at(out[-1] + back)
+    return np.concatenate([out, out[-1] - back]), np.concatenate([pulled, pushed])
+
+
+def test_a_bar_pulled_and_pushed_follows_both_tables():
+    plastic, stress = cycle()
+    assert stress[4] > -LIMIT + 20e6  # it yields earlier when it is pushed (Bauschinger)
+    m = kg.Model(dim=2)
+    a, b = m.add(kg.Node(0, 0), kg.Node(1, 0))
+    section = 1e-6
+    tables = [[(p, section * s) for p, s in table] for table in (ISOTROPIC, BACK)]
+    m.add(kg.Bar(a, b, EA=E * section, strain="engineering", yield_force=LIMIT * section, hardening=tables[0],
+                 kinematic=tables[1]), kg.Fix(a), kg.Fix(b, "y"), kg.Prescribe(b, x=1.0))  # fmt: skip
+    pull = plastic + stress / E
+    results = kg.DisplacementControl(m, targets=pull[:-1], to=pull[-1], tol=1e-12).run()
+    at = [int(np.argmin(np.abs(results.lam - lam))) for lam in pull]
+    assert np.allclose(results.reaction(b, "x")[at], stress * section, rtol=0, atol=1e-9 * LIMIT * section)
+    work = np.cumsum([0.5 * LIMIT**2 / E, *(0.5 * (stress[1:] + stress[:-1]) * np.diff(pull))]) * section
+    assert np.allclose(sum(results.energy.values())[at], work, rtol=0, atol=1e-9 * work[-1])
+
+
+def test_a_sheet_pulled_and_pushed_follows_both_tables():
+    """Under stress in one direction, where it grows thinner and narrower by half of the plastic strain each."""
+    plastic, stress = cycle()
+    curve = checked_curve(LIMIT, ISOTROPIC, BACK, "Material", "yield_stress")
+    law, state = PlaneStress(np.array([E]), np.array([NU]), Hardening.of([curve])), np.zeros((1, STATE))
+    for p, s in zip(plastic, stress):
+        strain = p * np.array([[1, -0.5, 0]]) + s / E * np.array([[1, -NU, 0]])
+        found, _, state = law.flow(strain, state, tangent=False)
+        assert np.allclose(found, [[s, 0, 0]], rtol=0, atol=1e-9 * LIMIT)
+        assert np.allclose(state[0, :3], p * np.array([1, -0.5, 0]), rtol=0, atol=1e-12)
 
 
 # ---- a wide strip, bent
@@ -116,7 +164,7 @@ def by_fine_layers(curvature, hardening=0.0, count=3000):
     z = ((np.arange(count) + 0.5) / count - 0.5) * THICK
     curve = YieldCurve((0.0,), (LIMIT,), hardening)
     law = PlaneStress(np.full(count, E), np.full(count, NU), Hardening.of([curve] * count))
-    state, moments = np.zeros((count, 4)), []
+    state, moments = np.zeros((count, STATE)), []
     for k in curvature:
         stress, _, state = law.flow(np.stack([-z * k, 0 * z, 0 * z], axis=1), state, tangent=False)
         moments.append(-(stress[:, 0] * z).sum() * THICK / count)
@@ -132,7 +180,7 @@ def test_moment_over_curvature_of_a_wide_strip():
 def test_the_fully_plastic_moment():
     """2 / sqrt(3) sigma_y t^2 / 4 per width, approached from below as the elastic core shrinks."""
     law = sections(1, CURVES["perfect"])
-    state = np.zeros((1, 3, LAYERS, 4))
+    state = np.zeros((1, 3, LAYERS, STATE))
     for k in np.linspace(0, 2000, 400)[1:]:
         _, forces, _, state = law.respond(np.tile([0, 0, 0, k, 0, 0], (1, 3, 1)).astype(float), state)
     assert abs(forces[0, 0, 3] / PLASTIC_MOMENT - 1) < 2e-3
@@ -254,10 +302,14 @@ def test_bars_and_hinges_unload_in_a_few_times_the_corrections_of_their_loading(
     assert back.stats["factorizations"] < 4 * loaded.stats["factorizations"]
 
 
-def test_energy_balance_of_a_sheet_pulled_and_pushed():
+FIRST = 2 * LIMIT / (E + 5e9)  # plastic strain at the first reversal of the test below
+
+
+@pytest.mark.parametrize("kinematic", [5e9, [(FIRST, 5e9 * FIRST), (20 * FIRST, 30e9 * FIRST)]], ids=["line", "table"])
+def test_energy_balance_of_a_sheet_pulled_and_pushed(kinematic):
     """Work of the grips against what is stored and what is lost, through three reversals; steps meet the kinks."""
     mesh = kg.Sheet(shapely.box(0, 0, 2, 1)).mesh(max_edge=1.0)
-    material = kg.Material(E, NU, yield_stress=LIMIT, kinematic=5e9)
+    material = kg.Material(E, NU, yield_stress=LIMIT, kinematic=kinematic)
     m = kg.Model.from_mesh(mesh, thickness=THICK, material=material, stiffness="shell")
     left, right = m.select(boundary="left"), m.select(boundary="right")
     strain = LIMIT / E * np.array([*range(4), *range(2, -4, -1), *range(-2, 4), *range(2, -1, -1)])[1:]
@@ -305,7 +357,7 @@ def lifted(rung="shell", **yields):
 
 @pytest.mark.parametrize("rung", ["plate", "shell"])
 def test_saved_and_loaded(rung, tmp_path):
-    m, right = lifted(rung, hardening=[(0.05, 65e6)])
+    m, right = lifted(rung, hardening=[(0.05, 65e6)], kinematic=[(0.001, 1e6), (0.03, 5e6)])
     results = kg.DisplacementControl(m).run()
     assert results.yielded[-1] > 0
     twin = kg.load(results.save(tmp_path / "bent.npz"))
@@ -391,6 +443,9 @@ def test_hinges_of_a_sheet_yield_at_the_moment_of_cylindrical_bending():
 def test_a_table_that_is_straight_bends_like_its_modulus():
     straight = bent(YieldCurve((0.0,), (LIMIT,), beyond=2e9), THICK)
     table = bent(checked_curve(LIMIT, [(0.1, LIMIT + 2e8), (1.0, LIMIT + 2e9)], 0.0, "Material", "yield_stress"), THICK)
+    behind = bent(checked_curve(LIMIT, 0.0, [(0.1, 2e8), (1.0, 2e9)], "Material", "yield_stress"), THICK)
+    assert np.allclose(behind.back, np.array(table.stress) - table.stress[0], rtol=1e-12)
+    assert np.allclose(behind.stress, table.stress[0], rtol=1e-12)
     inside = [k for k in table.strain if k * THICK / np.sqrt(3) < 1.0]
     values = np.interp(inside, table.strain, table.stress)
     assert np.allclose(values, straight.stress[0] + straight.beyond * np.array(inside), rtol=1e-3)
