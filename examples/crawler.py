@@ -194,7 +194,7 @@ def draw(
     """The bodies seen from below; pop-out and friction, a fin pushed both ways, the force on the ground."""
     from matplotlib import pyplot as plt
 
-    figure = plt.figure(figsize=(12.5, 6.2))
+    figure = plt.figure(figsize=(13.5, 6.6))
     for column, shape in enumerate(list(paths)[:3]):
         ax = figure.add_axes((column / 3, 0.46, 1 / 3, 0.5), projection="3d")
         paths[shape].plot(ax=ax, view=(-30, -68), colorbar=False)
@@ -202,7 +202,7 @@ def draw(
         ax.set_box_aspect(sizes, zoom=1.45)
         ax.set_axis_off()
         ax.set_title(f"{shape}, strain {STRAIN:.0%}, from below", y=0.97)
-    out, fin, ratio, ground = (figure.add_axes((left, 0.1, 0.17, 0.34)) for left in (0.05, 0.33, 0.565, 0.8))
+    out, fin, ratio, ground = (figure.add_axes((left, 0.1, 0.155, 0.34)) for left in (0.045, 0.335, 0.585, 0.835))
     tenths = np.linspace(0, PUSH, 11)
     for number, (shape, (strain, height, push)) in enumerate(curves.items()):
         color = f"C{number}"
@@ -218,9 +218,9 @@ def draw(
     scale = (lambda h: BASE_FRICTION + per_mm * h, lambda mu: (mu - BASE_FRICTION) / per_mm)
     out.secondary_yaxis("right", functions=scale).set_ylabel(rf"$\mu$ for $K_f$ = {ENGAGEMENT:g} mm, $S_f$ = 1")
     out.legend(frameon=False, loc="lower right")
-    fin.set(xlabel="push of a fin [mm]", ylabel="force [N], dashed against the tip")
-    ratio.set(xlabel="push of a fin [mm]", ylabel="force with the tip / against it")
-    ground.set(xlabel="strain [%]", ylabel=f"force on a ground {GROUND:g} mm below [N]")
+    fin.set(xlabel="push of a fin [mm]", ylabel="force on a fin with its tip [N]\n(dashed: against it)")
+    ratio.set(xlabel="push of a fin [mm]", ylabel="force with the tip\nover force against it")
+    ground.set(xlabel="strain [%]", ylabel=f"force on a ground\n{GROUND:g} mm below [N]")
     for ax in (out, fin, ratio, ground):
         ax.set_xlim(0)
         ax.set_ylim(0)

@@ -101,7 +101,7 @@ def picture(card: kg.Results, disc: kg.Results, shut: kg.Results, wide: kg.Resul
     """The card on its way and folded, the disc pulled and pressed back, the fan opened and closed."""
     import matplotlib.pyplot as plt
 
-    figure = plt.figure(figsize=(11, 7))
+    figure = plt.figure(figsize=(12, 7))
     half = int(np.argmin(np.abs(card.lam - 0.6)))
     out = int(np.argmax(disc.lam))
     for place, (res, step, title) in enumerate([
@@ -117,7 +117,7 @@ def picture(card: kg.Results, disc: kg.Results, shut: kg.Results, wide: kg.Resul
         assert res.mesh is not None
         force = np.linalg.norm(res.force("self-contact")[-1], axis=1)[res.mesh.triangles].mean(axis=1)
         ax.tripcolor(x, y, res.mesh.triangles, force, cmap="Blues", edgecolors="0.7", vmax=4.0, vmin=0.0)
-        ax.set_title(f"{title} (movements x {DRAWN})", fontsize="medium")
+        ax.set_title(f"{title}\n(movements x {DRAWN}; blue: force of contact)", fontsize="medium")
         ax.set_aspect("equal")
         ax.set_axis_off()
     figure.tight_layout()

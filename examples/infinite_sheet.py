@@ -57,14 +57,15 @@ def draw(max_edge: float) -> None:
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", kg.KirigamiWarning)
         sheet = cell.patch(res, (3, 5))
+        sheet.units = "SI"  # so that the picture says millimetres
     figure = plt.figure(figsize=(11, 4.5))
-    left = figure.add_subplot(1, 2, 1)
+    left = figure.add_axes((0.07, 0.12, 0.38, 0.78))
     secant = law.stress[1:, 1] / law.strain[1:, 1] / (E * t)
     left.plot(law.strain[1:, 1], secant, ".-")
     left.axvline(found.strain[1], color="0.6", linestyle="--")
     left.set(xscale="log", xlabel="mean strain along the pull", ylabel="stress over strain, over E t", ylim=(0, None))
     left.set_title("one cell; dashed, where the flat sheet buckles")
-    right = figure.add_subplot(1, 2, 2, projection="3d")
+    right = figure.add_axes((0.47, 0.0, 0.5, 0.9), projection="3d")
     sheet.plot(ax=right)
     right.set_title(f"3 x 5 cells at a mean strain of {law.strain[-1, 1]:.2f}")
     figure.savefig("infinite_sheet.png", dpi=110)

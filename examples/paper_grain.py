@@ -92,6 +92,7 @@ def draw(angles: Sequence[float], found: Sequence[float], sheets: Sequence[kg.Re
         ax.set_axis_off()
         ax.patch.set_visible(False)
         ax.set_title(f"slit {name} the grain", y=0.97)
+    figure.text(0.36, 0.03, "colours: von Mises stress, pale where it is least, dark where it is largest", ha="center")
     ax = figure.add_axes((0.75, 0.15, 0.23, 0.78))
     smooth = np.linspace(0, 90, 91)
     ax.plot(smooth, [released_by_theory(angle) for angle in smooth], label="complex roots")

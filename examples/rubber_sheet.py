@@ -69,6 +69,7 @@ def draw(results: kg.Results, strain: float) -> None:
         ax.set_axis_off()
         ax.patch.set_visible(False)
         ax.set_title(f"{share * strain:.0%}", y=1.08)
+    figure.text(0.37, 0.03, "colours: von Mises stress, pale where it is least, dark where it is largest", ha="center")
     ax = figure.add_axes((0.75, 0.13, 0.23, 0.8))
     ax.plot(100 * results.lam * strain, results.reaction("driven_0", "y"), label="slit")
     stretch = np.linspace(1, 1 + strain, 60)

@@ -235,7 +235,8 @@ def main(pictures: bool = False, max_edge: float = EDGE, final: float = 0.036) -
     )
     for name, one in (("one lip up, one down", regimes), ("both lips on one side", together)):
         energy = {kind: one.at(values, 0.02) for kind, values in one.results.energy.items()}
-        print(f"{name}, strain 0.02: force {one.at(one.force, 0.02):.4f}, energy {sum(energy.values()):.5f} {energy}")
+        parts = ", ".join(f"{kind} {value:.5f}" for kind, value in energy.items())
+        print(f"{name}, strain 0.02: force {one.at(one.force, 0.02):.4f}, energy {sum(energy.values()):.5f} ({parts})")
     picture(compared, off, regimes, together, "single_cut_disc.png")
     return float(compared.at(compared.force, 0.0133333))
 

@@ -77,6 +77,7 @@ def main() -> None:
     print(f"drop at {LITTLE:g} of the weight: {1e3 * drop(results, LITTLE):.2f} mm, ", end="")
     print(f"a spring of twisted strips {1e3 * drop_of_spring(LITTLE):.2f} mm")
     print(f"drop under its weight: {1e3 * drop(results, 1.0):.0f} mm")
+    results.units = "SI"  # so that the picture says millimetres
     results.plot(-1).get_figure().savefig("spiral_lamp.png", dpi=120, bbox_inches="tight")
 
 

@@ -77,7 +77,8 @@ def _points(ax: Any, result: InverseResult, numbers: list[int]) -> None:
         told = [values[number][0] for number in numbers]
         ax.plot(np.arange(len(numbers)), told, color=color, marker=marker, lw=0, label=label)
     names = list(dict.fromkeys(result.names[number].replace("_", " ") for number in numbers))
-    ax.set_xticks(np.arange(len(numbers)))
+    ax.set_xticks(np.arange(len(numbers)), [str(number + 1) for number in range(len(numbers))])
+    ax.margins(x=0.15)
     ax.set(xlabel="target", title=", ".join(names))
     ax.legend(frameon=False)
 
@@ -90,7 +91,7 @@ def _thicker(ax: Any, result: InverseResult) -> None:
     ax.tripcolor(
         mesh.nodes[:, 0], mesh.nodes[:, 1], mesh.triangles, pull / most, cmap="RdBu", vmin=-1, vmax=1, edgecolors="face"
     )
-    ax.set(aspect="equal", title="better thicker (blue), thinner (red)")
+    ax.set(aspect="equal", title="better thicker (blue) or thinner (red)")
     ax.set_axis_off()
 
 
@@ -130,4 +131,5 @@ def _changes(ax: Any, result: InverseResult) -> None:
             ax.annotate("", (at + way, row), (at, row), arrowprops={"arrowstyle": "->", "color": style.VERMILION})
     ax.set_yticks(np.arange(len(names)), names)
     ax.axvline(0, color="black", lw=0.6)
-    ax.set(xlabel="change over its range", title="parameters")
+    meant = "\n(arrows: which way errors would still fall)" if largest > 0 else ""
+    ax.set(xlabel=f"change over its range{meant}", title="parameters")

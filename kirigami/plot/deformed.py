@@ -226,7 +226,7 @@ class Field:
         """The colours of its own."""
         if self.diverging:
             return style.diverging_map()
-        return style.rising_map() if self.key == "plastic strain" else style.sequential_map()
+        return style.rising_map() if self.key in PEAKED else style.sequential_map()
 
     def at(self, number: int) -> Floats | None:
         """Values per cell, or of a smooth field per sector, at a stored step; None for plain colour."""

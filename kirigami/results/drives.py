@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -12,6 +13,8 @@ from kirigami.primitives.kernel import Array
 
 if TYPE_CHECKING:
     from kirigami.results.results import Results
+
+SHAPES = {2: "point", 3: "disc", 4: "box"}  # that so many coordinates mean
 
 
 @dataclass(frozen=True, eq=False)
@@ -101,15 +104,24 @@ class Drive:
         return "_".join(words)
 
     @property
+    def _where(self) -> str:
+        """The place in words: "centre", "the disc 0,0,0.006"; coordinates alone say little."""
+        name = self.name.removeprefix("lifted ")
+        with suppress(ValueError):
+            numbers = [float(part) for part in name.split(",")]
+            return f"the {SHAPES.get(len(numbers), 'place')} {name}"
+        return name
+
+    @property
     def title(self) -> str:
         """The motion in words: "strain", "lift of centre"."""
-        return f"lift of {self.name.removeprefix('lifted ')}" if self.motion == "lift" else self.motion
+        return f"lift of {self._where}" if self.motion == "lift" else self.motion
 
     @property
     def takes(self) -> str:
         """What it takes in words: "force of the grip", "torque of the grip", "force at centre"."""
         if self.motion == "lift":
-            return f"force at {self.name.removeprefix('lifted ')}"
+            return f"force at {self._where}"
         named = {"shear": "force across the pull", "twist": "torque of the grip", "weight": "sag"}
         return named.get(self.motion, "force of the grip")
 

@@ -72,7 +72,7 @@ def pictures(report: Report) -> dict[str, Callable[[], Any]]:
         "force.png": lambda: over_motion(style.styled(_force)(report, across)),
     }
     if report.stress is not None:
-        drawn["stress.png"] = lambda: plot.plot_results(results, color="stress", view=view, cmap="YlOrRd")
+        drawn["stress.png"] = lambda: plot.plot_results(results, color="stress", view=view)
     return {**drawn, "opening.png": opening} if mesh.cuts else drawn
 
 
