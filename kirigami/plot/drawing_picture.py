@@ -63,8 +63,10 @@ def plot_drawing(drawing: Drawing, ax: Any = None) -> Any:
             width = 1.2 if len(lines) < MANY else 0.4
             ax.plot(*_in_one(lines).T, linewidth=width, label=f"{name} ({len(lines)})", **look)
     style.frame_flat(ax, bounds[0], bounds[1])
-    ax.set_xlabel(f"x [{drawing.unit}]" if drawing.unit else "x")
-    ax.set_ylabel(f"y [{drawing.unit}]" if drawing.unit else "y")
+    if drawing.unit == "m":
+        style.axes_in_unit(ax, float(np.ptp(bounds, axis=0).max()))
+    elif drawing.unit:
+        ax.set(xlabel=f"x [{drawing.unit}]", ylabel=f"y [{drawing.unit}]")
     ax.legend(loc="upper center", bbox_to_anchor=(0.5, -0.12), ncols=4)
     return ax
 

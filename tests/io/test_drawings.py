@@ -346,3 +346,12 @@ def test_a_drawing_is_drawn_with_one_artist_a_role(tmp_path: Path) -> None:
     points = named["slit (7)"].get_xydata()
     gaps = np.isnan(points[:, 0])
     assert gaps.sum() == 6 and points[~gaps] == pytest.approx(shapely.get_coordinates(slits))
+
+
+def test_a_drawing_in_metres_is_drawn_in_what_suits_its_size() -> None:
+    """As all other pictures are; a sheet of 100 mm had an axis of hundredths of a metre."""
+    from kirigami.plot.drawing_picture import plot_drawing
+
+    ax = plot_drawing(Drawing(shapely.box(0, 0, 0.1, 0.06), (), unit="m"))
+    ax.figure.canvas.draw()
+    assert ax.get_xlabel() == "x [mm]" and "100" in [tick.get_text() for tick in ax.get_xticklabels()]
