@@ -1,4 +1,9 @@
-"""kirigami: the mechanics of cut sheets by bars and hinges.
+"""kirigami: the mechanics of cut sheets, on shell facets, on flat ones, or on bars and hinges.
+
+``kg.stretch(kg.Sheet(outline, cuts, thickness=..., material=kg.Material(E=...)), strain=0.1)`` holds a sheet, pulls it
+and follows it through buckling; ``kg.Sheet.from_dxf`` and its kin read a drawing, ``kg.LoadCase`` says what else may be
+done. By hand the same is a :class:`Model`, an analysis such as :class:`DisplacementControl`, and its :class:`Results`.
+Each name has its own ``help``, with an example.
 
 Public names load on first use, so that a scene imports only what it contains.
 """
