@@ -102,7 +102,7 @@ def draw(found: dict[float, tuple[Drag, Drag]]) -> None:
         ratio.plot(friction, ahead.drag[-1] / behind.drag[-1], "o", color=f"C{number}")
     s, smooth = slope(*found[frictions[0]], frictions[0]), np.linspace(0, 1.1 * max(frictions), 50)
     ratio.plot(smooth, (1 + smooth * s) / (1 - smooth * s), color="0.5", lw=1, zorder=0)
-    over.set(xlabel="way of the body [mm]", ylabel="drag [mN], dashed with the tips behind", xlim=0)
+    over.set(xlabel="way of the body [mm]", ylabel="drag [mN] (dashed: tips behind)", xlim=0)
     over.legend(title="friction", frameon=False)
     ratio.set(xlabel="friction", ylabel="drag, tips ahead / tips behind", xlim=0)
     figure.savefig("crawler_drag.png", dpi=120)

@@ -273,3 +273,21 @@ def test_arguments_that_cannot_be_used() -> None:
     truss.add(kg.Bar(a, b, EA=1.0), kg.Fix(a), kg.Fix(b, "y"), kg.NodalLoad(b, (1, 0)))
     with pytest.raises(kg.AnalysisError, match="from_mesh"):
         kg.study.estimate_error(kg.LinearStatic(truss).run())
+
+
+@pytest.mark.parametrize("follows", ["cell", "link"])
+def test_an_error_that_cannot_be_estimated_is_no_zero(follows: str) -> None:
+    """Nodes that follow free rows leave the stored tangent singular; their height was told as exact."""
+    if follows == "cell":
+        sheet = kg.CellSheet([(2, 0), (0, 1)], [[(-0.6, 0.5), (0.6, 0.5)]], 0.01, kg.Material(E=1e6, nu=0.3))
+        m = kg.Model.from_mesh(sheet.mesh(0.5))
+        kg.PeriodicCell(m, sheet.lattice).impose((None, 0.02, 0.0))
+    else:
+        m = kg.Model.from_mesh(kg.Sheet(shapely.box(0, 0, 1, 2), thickness=0.01, material=kg.Material(E=1e6)).mesh(0.6))
+        top = m.select(boundary="top")
+        m.add(kg.Fix(m.select(boundary="bottom"), clamp=True), kg.RigidLink(m.select(box=(0, 1.3, 1, 2))))
+        m.add(kg.NodalLoad(top, (0, 0, 1e-4)))
+    m.imperfect()
+    res = kg.LinearStatic(m).run()
+    assert res.height()[-1] > 0 and np.isnan(res.error["height"]).all() and res.error["force"][-1] > 0
+    assert "height" not in str(res.error)

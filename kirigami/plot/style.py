@@ -267,7 +267,7 @@ def rising_map() -> Any:
     """Pale grey over orange to dark red, for what is nothing on most of a sheet: there its light and folds are seen."""
     from matplotlib.colors import LinearSegmentedColormap
 
-    return LinearSegmentedColormap.from_list("rising", [PALE, "#e69f00", VERMILION, "#6b1f00"])
+    return LinearSegmentedColormap.from_list("rising", [PALE, "#e69f00", VERMILION, "#8c2d04"])
 
 
 def diverging_map() -> Any:

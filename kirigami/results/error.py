@@ -53,7 +53,8 @@ class ErrorBar(Mapping[str, Array]):
     """Estimated relative errors, ``error["force"]``, ``error["open_area"]`` and ``error["height"]``, each (s,).
 
     Of the force at the displacement there, or where a load is given of its displacement, over the stated value; of
-    heights and areas over the largest on the path; nan where there is no height, or no cut.
+    heights and areas over the largest on the path; nan where there is no height, or no cut, and where rows that nodes
+    follow are free, as those of a periodic cell or a rigid link.
 
     Attributes
     ----------
@@ -147,7 +148,7 @@ def estimated_error(results: Results) -> ErrorBar:
     for name in quantities:
         if name in found:
             values = np.array(found[name]).reshape(-1, 2).T
-            meshes[name], rungs[name] = (_between(chosen, column, len(results)) for column in values)
+            meshes[name], rungs[name] = (_between(chosen, column, len(results), np.nan) for column in values)
         else:
             meshes[name] = rungs[name] = np.full(len(results), np.nan)
     tolerance = _unbalanced(results)
@@ -295,12 +296,12 @@ def _some(count: int, most: int) -> Array:
     return np.unique(np.linspace(min(1, count - 1), count - 1, most).round().astype(int)) if count else np.zeros(0, int)
 
 
-def _between(steps: Array, values: Array, count: int) -> Array:
+def _between(steps: Array, values: Array, count: int, where_none: float = 0.0) -> Array:
     """Values at all steps, from those at some; their logarithms are interpolated. States that store nothing are as
-    wrong as the next one that does; where none does, nothing is wrong."""
+    wrong as the next one that does; where none does, nothing is wrong. What is known nowhere is no zero."""
     known = np.isfinite(values)
     if not known.any():
-        return np.zeros(count)
+        return np.full(count, where_none)
     floor = NOTHING
     logs = np.log(np.maximum(values[known], floor))
     found = np.exp(np.interp(np.arange(count), steps[known], logs))
