@@ -22,7 +22,7 @@ from kirigami.plot import deformed
 DRAWINGS = Path(__file__).parent / "data" / "drawings"
 PLATE = str(DRAWINGS / "inkscape_layers_mm.svg")  # 120 x 80 mm, three slits and a hole
 SHEET = ["--thickness", "0.1mm", "--E", "3.5GPa", "--strain", "0.2%", "--max-edge", "15mm", "--accuracy", "draft"]
-COMMANDS = ["demo", "stretch", "mesh", "info", "export"]
+COMMANDS = ["demo", "stretch", "accuracy", "mesh", "info", "export"]
 PICTURES = {"rest.png", "deformed.png", "above.png", "force.png", "stress.png", "opening.png", "stretch.gif"}
 FILES = PICTURES | {"report.json", "curves.csv", "results.npz"}
 
@@ -533,6 +533,8 @@ def test_hints_speak_the_language_of_the_command_line() -> None:
         ("by 3. kirigami.stiffness.report(mesh) has the numbers; use a finer mesh", "by 3; use a finer mesh"),
         ("Hint: the path so far is in error.results; another amplitude", "Hint: what was found is written; another"),
         ("LoadCase: rim is held", "rim is held"), ("give `max_edge=2`", "give --max-edge 2"),
+        ("energy of 0.002 (force times length) was set free", "energy of 0.002 J was set free"),
+        ("width 0.015 (in the unit of the sheet) has", "width 0.015 (in metres) has"),
     ):  # fmt: skip
         assert in_words_of_the_command(python).startswith(command)
 

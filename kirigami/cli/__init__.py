@@ -30,6 +30,8 @@ examples:
   kirigami demo                            stretch a built-in sheet; pictures and numbers in ./demo
   kirigami stretch plate.dxf --thickness 0.1mm --E 3.5GPa --strain 20%
                                            stretch your own; report in ./plate-stretched
+  kirigami accuracy plate.dxf --thickness 0.1mm --E 3.5GPa
+                                           error and seconds of every rung on it
   kirigami info plate.svg                  what is outline, cut and fold, and how large
   kirigami mesh plate.dxf -o plate.vtu     its mesh, for a look or for another program
   kirigami export results.npz page.html    results as a page, table, surface, ParaView files

@@ -22,6 +22,8 @@ PYTHON = (  # what only a script can do, and what it calls otherwise
     (r"energy_release\(cut\) converges", "the energy release rate converges (in Python: results.energy_release)"),
     (r"the path so far is in error\.results; another amplitude", "what was found is written; another --imperfection"),
     (r"\bstiffness=['\"](\w+)['\"]", r"--stiffness \1"),
+    (r"in the unit of the sheet", "in metres"),  # which all is that a command computes
+    (r" \(force times length\)", " J"),
     (r"^(?:stretch|LoadCase|Job(?:\.\w+)?|export|to_surface|to_html|animate|plot|units\.\w+): ", ""),
 )
 

@@ -79,6 +79,11 @@ class Sizing:
     place: tuple[float, float]
     narrowest: float
 
+    @property
+    def across(self) -> str:
+        """The facets across the worst ligament, in words."""
+        return f"{self.facets_across:g} facet{'s' * (self.facets_across != 1)}"
+
     def __str__(self) -> str:
         size = (
             f"{self.nodes} nodes, {self.budget} asked for, edges {self.shortest:.3g} to {self.longest:.3g} long in the "
@@ -87,7 +92,7 @@ class Sizing:
         if not self.ligaments:
             return f"{size}; no ligaments"
         return (
-            f"{size}; at least {self.facets_across:g} facets across a ligament (width {self.width:.3g} at "
+            f"{size}; at least {self.across} across a ligament (width {self.width:.3g} at "
             f"({self.place[0]:.4g}, {self.place[1]:.4g})), fewer than {LAYERS:g} in {self.coarse} of {self.ligaments} "
             "sections"
         )
@@ -295,10 +300,9 @@ def warn_of_coarse(sizing: Sizing, thickness: float | None) -> None:
     if sizing.facets_across < FEW_LAYERS:
         needed = sizing.nodes * (LAYERS / sizing.facets_across) ** 2
         warnings.warn(
-            f"the ligament of width {sizing.width:.3g} at {at} (in the unit of the sheet) has only "
-            f"{sizing.facets_across:g} facets across, and {sizing.coarse} of {sizing.ligaments} sections across "
-            f"ligaments have fewer than {LAYERS:g}: too coarse to bend. About {needed:.1g} nodes would do instead of "
-            f"{sizing.budget}",
+            f"the ligament of width {sizing.width:.3g} at {at} (in the unit of the sheet) has only {sizing.across} "
+            f"across, and {sizing.coarse} of {sizing.ligaments} sections across ligaments have fewer than {LAYERS:g}: "
+            f"too coarse to bend. About {float(f'{needed:.1g}'):,.0f} nodes would do instead of {sizing.budget:,}",
             KirigamiWarning,
             stacklevel=3,
         )

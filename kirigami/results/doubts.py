@@ -90,7 +90,7 @@ def _ligaments(results: Results, mesh: TriMesh) -> list[str]:
     if sizing.coarse:
         told.append(
             f"the worst ligament, {sizing.width:.3g} wide at ({sizing.place[0]:.4g}, {sizing.place[1]:.4g}), has "
-            f"{sizing.facets_across:g} facets across"
+            f"{sizing.across} across"
         )
     thickest = 0.0 if thickness is None else float(np.max(thickness))
     if thickest > THICK * sizing.narrowest:
@@ -110,7 +110,7 @@ def _free_edges(results: Results, mesh: TriMesh) -> list[str]:
         return []
     return [
         f"bars lose stiffness at the free edges of this mesh: pulled with its edges free, it represents {free[0]:.2f} "
-        f"to {free[1]:.2f} times the sheet's, by direction; stiffness='facet' and 'shell' lose none"
+        f"to {free[1]:.2f} times the sheet's, by direction; stiffness='facet' and stiffness='shell' lose none"
     ]
 
 

@@ -171,6 +171,7 @@ class Report:
             material += f", stress up to {units.show(float(f'{self.stress.max():.3g}'), 'stress')} at {where}"
         if n["cuts"]:
             material += " (at the tips of cuts both grow with a finer mesh)"
+        height = float(f"{n['height']:.4g}")
         lines = [
             f"nodes {n['nodes']}, facets {n['facets']}, cuts {n['cuts']}",
             way,
@@ -178,7 +179,7 @@ class Report:
             f"last {amount(n[f'last_{takes}'])}",
             *(self._further(other) for other in self.results.drives[1:]),
             material,
-            f"height {units.show(n['height'], 'length')}, open area {units.show(n['open_area'], 'area')}",
+            f"height {units.show(height, 'length')}, open area {units.show(n['open_area'], 'area')}",
             *([str(self.measured)] if self.measured is not None else []),
             *self.worth,
             (
