@@ -113,6 +113,88 @@ def test_two_sheets_pressed_together_balance(rung):
     assert abs(res.energy["self-contact"][-1]) > 0
 
 
+UNTURNED, PUSH = np.eye(3), np.array([0.3, 0.1, -8.0])
+
+
+def laid_on(rung: str, length: float = 1.0, axes: np.ndarray = UNTURNED, rows: int = 3, **grip: object) -> kg.Model:
+    """A sheet on springs, most of which is a rigid grip, pressed aside of its middle on another one that is held."""
+    mesh = stacked(0.03, rows)
+    count = (rows + 1) ** 2
+    placed, material = kg.TriMesh(length * mesh.nodes @ axes.T, mesh.triangles), kg.Material(PET.E / length**2, 0.0)
+    m = kg.Model.from_mesh(placed, 0.02 * length, material, rung)
+    low, high = m.nodes[:count], m.nodes[count:]
+    inner = [node for node, place in zip(high, mesh.nodes[count:]) if np.abs(place[:2] - 0.5).max() < 0.35]
+    near = [node for node, place in zip(low, mesh.nodes) if min(*place[:2], *(1 - place[:2])) < 0.1]
+    m.add(kg.Fix(near), kg.Grip(inner, **{"move": (None,) * 3, "turn": (None,) * 3, **grip}))
+    m.add(kg.Spring(high, 1.0 / length), kg.NodalLoad(inner[0], tuple(axes @ PUSH)))
+    m.add(kg.SelfContact(stiffness=0.1 * PET.E / length**2))
+    m.perturb(np.where(np.arange(len(m.nodes))[:, None] < count, 0.0, 1e-4 * length * axes[:, 2]))
+    return m
+
+
+@pytest.mark.parametrize("rung", ["plate", pytest.param("shell", marks=pytest.mark.long)])
+def test_a_grip_beside_contact_bears_what_the_contact_does(rung):
+    """A rigid body on a sheet: forces and moments of contact, load and springs are in balance."""
+    m = laid_on(rung)
+    res = kg.LoadControl(m, corrector="newton").run()
+    place, force = m.positions() + res[-1].u, res.force("self-contact")[-1]
+    up = force[16:, 2].sum()
+    assert up > 4.0 and nothing_crosses(res)
+    assert np.abs(force.sum(axis=0)).max() < 1e-8 * up
+    load = np.zeros_like(force)
+    load[res.node_index(next(item for item in m.objects if isinstance(item, kg.NodalLoad)).group)] = PUSH
+    applied = (force + load - res[-1].u)[16:]
+    assert np.abs(applied.sum(axis=0)).max() < 1e-7 * up
+    assert np.abs(np.cross(place[16:], applied).sum(axis=0)).max() < 1e-7 * up
+
+
+def test_the_tangent_beside_a_grip_is_that_of_its_forces():
+    m = laid_on("facet", rows=4)
+    u = np.zeros((len(m.nodes), 3))
+    u[25:, 2] = -0.0098
+    system = kg.System(m)
+    rng = np.random.default_rng(4)
+    q = system.unknowns(system.settled(u)) + 2e-4 * rng.normal(size=system.free)
+    direction, h = rng.normal(size=system.free), 1e-8
+    at = system.displacement(q, 0.5)
+    assert np.abs(next(k for k in system.kernels if k.name == "self-contact").evaluate(
+        system.configuration(at), 0.5, 1).gradient).max() > 0  # fmt: skip
+    found = system.matrix(system.stiffness_blocks(at, 0.5)) @ direction
+    sides = [system.imbalance(system.displacement(q + way * h * direction, 0.5), 0.5)[0] for way in (1, -1)]
+    assert np.abs(found - (sides[0] - sides[1]) / (2 * h)).max() < 1e-6 * np.abs(found).max()
+
+
+@pytest.mark.parametrize("change", ["units", "turned"])
+def test_a_grip_beside_contact_is_the_same_in_other_units_and_turned(change):
+    turn = np.linalg.qr(np.random.default_rng(5).normal(size=(3, 3)))[0]
+    turn *= np.linalg.det(turn)
+    length, axes = (1e3, UNTURNED) if change == "units" else (1.0, turn)
+
+    def pressed(length: float, axes: np.ndarray) -> np.ndarray:
+        move, spin = axes @ (0, 0, -0.015 * length), axes @ (0.02, 0.01, 0)
+        m = laid_on("plate", length, axes, move=move, turn=spin)
+        res = kg.DisplacementControl(m, corrector="newton").run()
+        force = res.force("self-contact")[-1]
+        held = np.array([res.reaction(m.nodes[:16], axis)[-1] for axis in "xyz"])
+        assert np.abs(held + force[:16].sum(axis=0)).max() < 1e-7 * np.abs(force).max()  # what the grip presses with
+        return force @ axes
+
+    here = pressed(1.0, UNTURNED)
+    assert np.abs(here).max() > 0
+    assert np.abs(pressed(length, axes) - here).max() < 1e-6 * np.abs(here).max()
+
+
+def test_contact_beside_a_periodic_cell_is_refused():
+    """Its neighbours, which it would touch, are not there."""
+    corners = grid(2, 2, 1.0, 1.0)
+    m = kg.Model.from_mesh(kg.TriMesh(*corners), thickness=0.01, material=PET, stiffness="plate")
+    cell = kg.PeriodicCell(m, [(1, 0), (0, 1)])
+    m.add(kg.SelfContact())
+    cell.impose((0.0, 0.0, 0.0))
+    with pytest.raises(kg.ModelError, match="periodic cell, whose neighbours are not there"):
+        kg.System(m)
+
+
 def pressed_pair() -> kg.Model:
     m = kg.Model.from_mesh(stacked(0.03, 3), thickness=0.02, material=PET)
     low, high = m.nodes[:16], m.nodes[16:]

@@ -50,6 +50,7 @@ class CellRows(FollowingRows):
     steps: Index
     beyond: Index
     words = "the border of a periodic cell"
+    one_of_many = True
     remedy = "tie it to the node which that one repeats instead"
 
     @property

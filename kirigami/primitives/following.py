@@ -35,6 +35,7 @@ class FollowingRows(ABC):
 
     words = ""  # what it is, in messages
     remedy = ""  # what to do with a node that is tied to one of it
+    one_of_many = False  # whether what is there stands for many beside each other
 
     @property
     @abstractmethod

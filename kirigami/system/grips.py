@@ -101,6 +101,25 @@ class Grips:
 
     # ---- stiffness
 
+    def chain(self, u: Array) -> Any:
+        """Sparse matrix (rows * dim, rows * dim) of the displacements of all rows by their own, with those of what
+        follows by the rows that lead beside it, at `u`."""
+        from scipy.sparse import coo_array, eye_array
+
+        follower, lead, rate = self.links
+        axes = np.arange(self.dim)
+        row, column = (self.dim * part[:, None] + axes for part in (follower, lead))
+        row, column = np.broadcast_arrays(row[:, :, None], column[:, None])
+        values = self._matrices(u)[rate]
+        size = self.rest.size
+        beside = coo_array((values.ravel(), (row.ravel(), column.ravel())), shape=(size, size))
+        return (beside + eye_array(size)).tocsr()
+
+    def _matrices(self, u: Array) -> Array:
+        """All J at displacements `u`: the unit matrix, then the rates of all groups."""
+        here = u[:, : self.dim]
+        return np.concatenate([np.eye(self.dim)[None], *(group.rates(here) for group in self.groups)])
+
     def pairs(self, low: Index, high: Index) -> tuple[Index, Index]:
         """Pairs of rows, the lower first, that blocks of given pairs are carried to."""
         _, first, second, _, _ = self._spread(low, high)
@@ -152,8 +171,7 @@ class Grips:
         if self._plan is None or self._planned_for is not low:
             self._plan, self._planned_for = self._planned(low, high), low
         at, slot, left, right, flipped, both = self._plan
-        here = u[:, : self.dim]
-        chains = np.concatenate([np.eye(self.dim)[None], *(group.rates(here) for group in self.groups)])
+        here, chains = u[:, : self.dim], self._matrices(u)
         made = chains[left].swapaxes(1, 2) @ blocks[:, :, at].transpose(2, 0, 1) @ chains[right]
         made = np.where(flipped[:, None, None], made.swapaxes(1, 2), made)
         made += np.where(both[:, None, None], made.swapaxes(1, 2), 0.0)

@@ -67,12 +67,12 @@ class System(Lowered):
         self.twins = twins(self.kernels)
         self._limiting = [kernel for kernel in self.kernels if type(kernel).admissible is not Kernel.admissible]
         self._coupled = [kernel for kernel in self.kernels if type(kernel).coupling is not Kernel.coupling]
-        if self._coupled and self.grips is not None:
+        repeated = [group.words for group in self.grips.groups if group.one_of_many] if self.grips is not None else []
+        if self._coupled and repeated:
             names = ", ".join(kernel.name for kernel in self._coupled)
-            others = " and ".join(dict.fromkeys(group.words for group in self.grips.groups))
             raise ModelError(
-                f"{names} does not go with {others}: hold and move nodes by Fix and Prescribe, and take a finite "
-                "sheet in the place of a periodic cell"
+                f"{names} does not go with {' and '.join(dict.fromkeys(repeated))}, whose neighbours are not there to "
+                "be touched: take a finite sheet"
             )
         self.couplings = CouplingPlan(self.unknown, self.free, self.dim) if self._coupled else None
         self._blocks_plan: BlockPlan | None = None
@@ -204,17 +204,23 @@ class System(Lowered):
             total, _ = self.forces(u, lam)
             with self.clock("grips"):
                 self.grips.condense(blocks, plan.low, plan.high, np.asarray(u), total, tangent.convexity)
-        return self._coupling(blocks, x, tangent) if self._coupled else blocks
+        if not self._coupled:
+            return blocks
+        more = self._coupling(x, tangent)
+        if more is not None and self.grips is not None and carried:
+            chain = self.grips.chain(np.asarray(u))
+            more = chain.T @ more @ chain
+        return blocks if more is None else Blocks(blocks, more)
 
-    def _coupling(self, blocks: Array, x: Configuration, tangent: Tangent) -> Array:
-        """The blocks with what kernels couple beyond the plan."""
+    def _coupling(self, x: Configuration, tangent: Tangent) -> Any:
+        """What kernels couple beyond the plan, as a sparse matrix over all displacements; None where nothing does."""
         more = None
         for kernel in self._coupled:
             with self.clock(kernel.name):
                 part = kernel.coupling(x, tangent)
             if part is not None:
                 more = part if more is None else more + part
-        return blocks if more is None else Blocks(blocks, more)
+        return more
 
     def multiply(self, blocks: Array, vector: Array) -> Array:
         """Product of assembled blocks with a field (n, dim)."""
