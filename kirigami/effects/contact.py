@@ -148,11 +148,11 @@ class Contact(ModelObject):
         found: list[Kernel] = [kernel]
         if moves.any():
             found = [] if moves.all() else [ContactKernel(numbering.rest, **_of(kernel, ~moves))]
-        rubs = ~moves & (rubbing > 0)
-        if rubs.any():
+        for number in np.unique(members[~moves & (rubbing > 0)]).tolist():  # each keeps anchors of its own
             from kirigami.effects.friction import FrictionKernel  # what does not rub needs none
 
-            found.append(FrictionKernel(numbering.rest, rubbing[rubs], layer[rubs], **_of(kernel, rubs)))
+            own = members == number
+            found.append(FrictionKernel(numbering.rest, rubbing[own], layer[own], **_of(kernel, own)))
         for number in np.unique(members[moves]).tolist():
             from kirigami.effects.moving import moving_kernels  # nor does what stands need this
 

@@ -49,14 +49,14 @@ class FrictionKernel(Kernel):
         return {"friction": self.friction, "width": self.width, **self._contact.arrays()}
 
     def _state(self, anchors: Array, x: Array, lam: float) -> Array:
-        """Anchor, normal, pressing force and load factor (n, 2 dim + 2) with the surface as it is at `x`."""
+        """Anchor, normal, pressing force, row and load factor (n, 2 dim + 3) with the surface as it is at `x`."""
         gap, normal = self._contact.normals(x, lam)
-        return np.column_stack([anchors, normal, self._contact.force(gap), np.full(len(anchors), lam)])
+        return np.column_stack([anchors, normal, self._contact.force(gap), self.conn, np.full(len(anchors), lam)])
 
     @property
     def history(self) -> Array | None:
-        """Anchors, normals, pressing forces, and the load factor at which anchors were there (n, 2 dim + 2), which is
-        nan before the first equilibrium: that says where they are."""
+        """Anchors, normals, pressing forces, rows of the nodes, and the load factor at which anchors were there
+        (n, 2 dim + 3), which is nan before the first equilibrium: that says where they are."""
         return self._committed
 
     @history.setter
@@ -65,6 +65,9 @@ class FrictionKernel(Kernel):
             value = self._state(self._contact.places_of(self.rest), self.rest, 0.0)
             value[:, -1] = np.nan
         self._committed = np.array(value, dtype=float)
+
+    def fits(self, history: Array) -> bool:
+        return super().fits(history) and np.array_equal(history[:, self._pressing + 1], self.conn[:, 0])
 
     def start_stage(self) -> None:
         self._committed[:, -1] = 0.0

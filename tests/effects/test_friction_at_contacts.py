@@ -49,6 +49,33 @@ def test_a_block_sticks_and_then_slides_at_mu_n() -> None:
     assert pull[slides] == pytest.approx(MU * PRESS, rel=1e-3) and np.all(pull[~slides] < MU * PRESS)
 
 
+@pytest.mark.parametrize("late", [kg.Plane((0, -1), (0, 1)), kg.Moving(kg.Plane((0, -1), (0, 1)), shift=(0, -1, 0))])
+def test_what_slides_goes_on_where_another_rubbing_contact_is_added(late: Any) -> None:
+    """The block is held back by mu N from the first step of the new stage on, as if it had never stopped."""
+    m, a, b = block()
+    c = m.add(kg.Node(2, 0))
+    m.add(kg.Fix(c))
+    pressed = kg.DisplacementControl(m).run()
+    m.hold(pressed[-1])
+    m.remove(m.constraints[0])
+    m.add(kg.Fix(b, "y"), kg.Prescribe(b, x=0.1))
+    slides = kg.DisplacementControl(m, targets=np.linspace(0.05, 1, 20), start=pressed[-1]).run()
+    m.hold(slides[-1])
+    m.remove(next(item for item in m.constraints if b in item.group and "x" in item.values))
+    m.add(kg.Contact(c, late, stiffness=STIFFNESS, layer=LAYER, friction=MU), kg.Prescribe(b, x=0.101))
+    on = kg.DisplacementControl(m, targets=[0.5], start=slides[-1]).run()
+    assert on.force("bars")[:, 0] == pytest.approx(MU * PRESS, rel=1e-3)
+    assert np.linalg.norm(on.deformation("friction")[:, 0], axis=1) == pytest.approx(1.0, abs=1e-3)
+
+
+def test_a_history_belongs_to_its_own_nodes() -> None:
+    m, a, b = block()
+    old = kernel_of(m, "friction")
+    m.add(kg.Contact(b, kg.Plane((0, 0), (0, 1)), stiffness=STIFFNESS, layer=LAYER, friction=MU))
+    own, other = (kernel for kernel in kg.System(m).kernels if kernel.name == "friction")
+    assert own.fits(old.history) and not other.fits(old.history)
+
+
 def test_a_belt_round_a_cylinder() -> None:
     """Capstan: where the belt slides, the tensions at its ends differ by exp(mu angle)."""
     angle, count, tension = np.pi / 2, 24, 1.0
