@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from kirigami.errors import ModelError
 from kirigami.primitives.kernel import Array
@@ -38,6 +39,7 @@ class Unknowns:
         fixed = np.zeros(dofs, dtype=bool)
         drive, held = np.zeros(dofs), np.zeros(dofs)
         owner: Index = np.full(dofs, -1)
+        still = np.zeros(dofs, dtype=bool)  # held at zero, as another constraint may do once more
         self.arcs: list[Any] = []
         for position, item in enumerate(constraints):
             if id(item) in numbering.grips:
@@ -51,10 +53,12 @@ class Unknowns:
             if not axes:
                 raise ModelError(f"{item!r} constrains only z, but the model has dim=2")
             for axis in axes:
-                at = nodes * self.dim + AXES.index(axis)
-                self._check_conflict(at, axis, item, owner, constraints, numbering)
+                at, values = nodes * self.dim + AXES.index(axis), item.values[axis]
+                holds = (values == 0) & (not item.leaders and not hasattr(item, "rotation"))
+                self._check_conflict(at, axis, item, owner, constraints, numbering, holds & still[at])
+                still[at[holds]] = True
                 owner[at] = position
-                (held if item.constant else drive)[at] = item.values[axis]
+                (held if item.constant else drive)[at] = values
                 if item.leaders:
                     leader[at] = leaders * self.dim + AXES.index(axis)
                 else:
@@ -62,17 +66,17 @@ class Unknowns:
             if numbering.edges is not None:
                 from kirigami.system.edges import held_angles, held_middles, turned_angles  # a truss needs no mesh
 
-                still, change = held_middles(numbering.edges, item, nodes, leaders, self.rest)
-                (held if item.constant else drive)[still] = change
-                middles = still // self.dim
+                known, change = held_middles(numbering.edges, item, nodes, leaders, self.rest)
+                (held if item.constant else drive)[known] = change
+                middles = known // self.dim
                 if item.clamp or item.mirror:
                     rotation = item.rotation if hasattr(item, "rotation") else None
                     angles = held_angles(numbering.edges, nodes, self.dim, rotation is not None)
                     if rotation is not None:
                         change = turned_angles(numbering.edges, angles, rotation, self.rest)
                         (held if item.constant else drive)[angles] = change
-                    still = np.concatenate([still, angles])
-                owner[still], fixed[still] = position, True
+                    known = np.concatenate([known, angles])
+                owner[known], fixed[known] = position, True
             if hasattr(item, "rotation") and not item.constant:
                 self._turn(item, nodes, middles if numbering.edges is not None else nodes[:0], drive, position)
         fixed |= numbering.idle.ravel()
@@ -191,9 +195,16 @@ class Unknowns:
 
     @staticmethod
     def _check_conflict(
-        at: Index, axis: str, item: Any, owner: Index, constraints: Sequence[Any], numbering: Numbering
+        at: Index,
+        axis: str,
+        item: Any,
+        owner: Index,
+        constraints: Sequence[Any],
+        numbering: Numbering,
+        shared: NDArray[np.bool_] | bool = False,
     ) -> None:
-        clash = at[owner[at] >= 0]
+        """Raise where displacements have an owner already, but for what they may share with it."""
+        clash = at[(owner[at] >= 0) & ~np.asarray(shared)]
         if clash.size:
             node = int(clash[0]) // numbering.dim
             raise ModelError(

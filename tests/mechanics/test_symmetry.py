@@ -233,3 +233,38 @@ def test_a_held_region_clamps_what_is_beyond_it(rung: str) -> None:
     m.add(kg.Fix(m.select(where=lambda x, y, z: x < 1e-9), clamp=True), kg.NodalLoad(end, (0, 0, 0.1 / len(end))))
     tip = kg.LinearStatic(m).run().u[-1][m.index(end), 2].mean()
     assert tip == pytest.approx(0.1 / (3 * 1e9 * 0.1 * 0.01**3 / 12), rel=0.1)
+
+
+@pytest.mark.parametrize("rung", RUNGS)
+def test_what_is_held_twice_at_zero_is_held_once(rung: str) -> None:
+    """A corner that lies in the plane of symmetry and in a support: each says the same of it, whichever comes first."""
+
+    def pulled(*supports: tuple[str, str]) -> kg.Results:
+        m = kg.Model.from_mesh(halves()[0], 0.004, kg.Material(E=1e9, nu=0.3), stiffness=rung)
+        left, bottom = m.select(boundary="left"), m.select(boundary="bottom")
+        corner = [node for node in left if node in bottom]
+        rest = [node for node in bottom if node not in corner]
+        chosen = {
+            "plane": lambda axes: kg.Symmetry(left, "x"), "all": lambda axes: kg.Fix(bottom, axes),
+            "rest": lambda axes: kg.Fix(rest, axes), "corner": lambda axes: kg.Fix(corner, axes),
+            "still": lambda axes: kg.Prescribe(corner, x=0.0),
+        }  # fmt: skip
+        m.add(*(chosen[name](axes) for name, axes in supports))
+        m.add(kg.Fix(m.select(boundary="top"), "z"), kg.NodalLoad(m.select(boundary="right"), (10.0, 0.0, 0.5)))
+        return kg.LoadControl(m).run()
+
+    apart = [("plane", ""), ("rest", "xyz"), ("corner", "yz")]
+    if rung == "shell":  # where a support holds the middle of an edge of its own nodes alone
+        apart = [("plane", ""), ("all", "xyz")]
+    once = pulled(*apart)
+    for supports in (
+        [("all", "xyz"), ("plane", "")],
+        [("plane", ""), ("all", "xyz"), ("still", ""), ("corner", "xy")],
+    ):  # fmt: skip
+        twice = pulled(*supports)
+        assert np.array_equal(twice.u, once.u)
+        assert np.array_equal(twice.reaction(twice.nodes), once.reaction(once.nodes))
+    with pytest.raises(kg.ModelError, match="both constrain x"):
+        m = kg.Model.from_mesh(halves()[0], 0.004, kg.Material(E=1e9, nu=0.3), stiffness=rung)
+        m.add(kg.Symmetry(m.select(boundary="left"), "x"), kg.Prescribe(m.select(boundary="bottom"), x=0.1))
+        kg.System(m)
