@@ -79,14 +79,16 @@ class Eigen(Analysis):
             system.history = self.about.history
         inertia = Inertia(system, self._mass(system.points), u)
         matrix = system.matrix(system.stiffness_blocks(u, lam))  # in the pattern that has room for the masses
-        massive = int(np.count_nonzero(inertia.matrix.diagonal()))
+        mass = inertia.matrix
+        del inertia
+        massive = int(np.count_nonzero(mass.diagonal()))
         if self.n > massive:
             raise ModelError(f"Eigen: {self.n} modes asked for, but only {massive} unknowns of the model have mass")
         with system.clock("eigenpairs"):
             rigid = rigid_unknowns(system, u, matrix)
             values, vectors = lowest_eigenpairs(
                 matrix,
-                inertia.matrix,
+                mass,
                 self.n,
                 rigid,
                 run.factorize,

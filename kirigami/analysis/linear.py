@@ -55,12 +55,14 @@ class LinearStatic(Analysis):
         with system.clock("solve"):
             q_constant = factor.solve(-system.reduce(forces + held))
             q_rate = factor.solve(-rate)
+        negative = factor.negative
+        del factor  # the largest thing in memory
         for lam in (0.0, 1.0):
             u = system.small_displacement(q_constant + lam * q_rate, lam)
-            run.store(run.make_step(u, lam, factor.negative, float("nan"), 1))
+            run.store(run.make_step(u, lam, negative, float("nan"), 1))
             # The residual of the linear equations, over the forces that the displacements cause block by block.
             unbalanced = system.reduce(system.carried(results.row_gradients[-1], rest))
-            caused = float(np.linalg.norm(system.multiply(np.abs(blocks), np.abs(u)))) or 1.0
+            caused = float(np.linalg.norm(system.multiply(blocks, u, sizes=True))) or 1.0
             results.steps[-1] = replace(
                 results.steps[-1],
                 residual=float(np.linalg.norm(unbalanced)) / caused,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -339,11 +340,39 @@ class ShellFacetKernel(NaturalKernel):
         return Answer(0.5 * (fields * resultants).sum(axis=(1, 2)), resultants, self.section[:, None])
 
     def evaluate(self, x: Array, lam: float = 1.0, need: int = 2, tangent: Tangent = EXACT) -> Contribution:
-        fields = self._elastic(self._fields(x), lam)
-        energy, resultants, sections, own = self._answer(fields, need)
+        answer = self._answer(self._elastic(self._fields(x), lam), need)
         if need == 0:
-            return Contribution(energy)
-        n = len(energy)
+            return Contribution(answer.energy)
+        n = len(answer.energy)
+        gradient = np.empty((n, 9, 3))
+        hessian = np.empty((n, 9, 9, 3, 3)) if need == 2 else None
+        for part, forces, blocks in self._piece_by_piece(x, lam, need, answer, tangent):
+            gradient[part] = forces
+            if hessian is not None:
+                hessian[part] = blocks
+        return Contribution(answer.energy, gradient, hessian)
+
+    def with_product(self, x: Array, lam: float, vectors: Array) -> tuple[Contribution, Array]:
+        answer = self._answer(self._elastic(self._fields(x), lam))
+        gradient, product = np.empty((2, len(answer.energy), 9, 3))
+        for part, forces, blocks in self._piece_by_piece(x, lam, 2, answer):
+            assert blocks is not None
+            gradient[part], product[part] = forces, np.einsum("nklab,nlb->nka", blocks, vectors[part])
+        return Contribution(answer.energy, gradient), product
+
+    def stiffness_size(self, x: Array, lam: float) -> Array:
+        answer = self._answer(self._elastic(self._fields(x), lam))
+        size = np.empty(len(self.conn))
+        for part, _, blocks in self._piece_by_piece(x, lam, 2, answer):
+            assert blocks is not None
+            size[part] = np.linalg.norm(blocks.reshape(len(blocks), -1), axis=1)
+        return size
+
+    def _piece_by_piece(
+        self, x: Array, lam: float, need: int, answer: Answer, tangent: Tangent = EXACT
+    ) -> Iterator[tuple[slice, Array, Array | None]]:
+        """Gradient and, where needed, Hessian blocks of a few facets after the other: all at once fill the memory."""
+        _, resultants, sections, own = answer
         pull = by_measures(self._membrane.to_strain, resultants[..., :3])
         bend = by_measures(self._bending.to_curvature, resultants[..., 3:])
         geometric = pull
@@ -353,9 +382,7 @@ class ShellFacetKernel(NaturalKernel):
                 geometric[:, own] = pull[:, own]
         vectors = self._vectors(x)[0]
         directors = self._local_directors()
-        gradient = np.empty((n, 9, 3))
-        hessian = np.empty((n, 9, 9, 3, 3)) if need == 2 else None
-        for start in range(0, n, CHUNK):
+        for start in range(0, len(resultants), CHUNK):
             part = slice(start, start + CHUNK)
             v = vectors[..., part]
             state = _State(v, area_frames(v), edge_frames(v), directors[..., part], part)
@@ -363,11 +390,11 @@ class ShellFacetKernel(NaturalKernel):
             local = np.einsum("mzn,mn->nz", membrane, pull[:, part])
             local = np.concatenate([local, np.zeros((len(local), 9))], axis=1)
             local += np.einsum("mzn,mn->nz", bending, bend[:, part])
-            gradient[part] = _to_rows(local)
-            if hessian is not None:
+            blocks = None
+            if need == 2:
                 forces = geometric[:, part], bend[:, part]
-                hessian[part] = self._hessian(state, membrane, bending, *forces, sections[part], tangent)
-        return Contribution(energy, gradient, hessian)
+                blocks = self._hessian(state, membrane, bending, *forces, sections[part], tangent)
+            yield part, _to_rows(local), blocks
 
     def _chains(self, state: _State) -> tuple[Array, Array]:
         """First derivatives of the membrane measures by v, (9, 15, m), and of the bending measures by v and the stored

@@ -13,6 +13,7 @@ REFINE_ABOVE = 1e-10  # residual over right-hand side that calls for a step of r
 PIVOT_ABOVE = 1e-6  # ... and for a second look, or a new factorisation with pivoting
 SINGULAR_ABOVE = 1e-3  # ... and shows, after that, that nothing helps
 ROUNDED = 1e-12  # residual over its terms, entry by entry, that rounding explains
+COLUMNS = 50_000  # of a matrix whose sizes are taken together
 NO_WORK = 1e-14  # work of a right-hand side over that of the terms one by one, below which rounding makes it all
 
 
@@ -121,10 +122,10 @@ class CheckedFactor:
 
     def _explained(self, rhs: Array, solution: Array) -> bool:
         """Whether the residual of a solution is nothing but rounding, and the motion is held by more than that."""
-        terms = abs(self.matrix) @ np.abs(solution)
+        added = terms(self.matrix, solution)
         residual = np.abs(rhs - self.matrix @ solution)
-        rounded = bool((residual <= ROUNDED * (terms + np.abs(rhs))).all())
-        return rounded and abs(float(rhs @ solution)) > NO_WORK * float(np.abs(solution) @ terms)
+        rounded = bool((residual <= ROUNDED * (added + np.abs(rhs))).all())
+        return rounded and abs(float(rhs @ solution)) > NO_WORK * float(np.abs(solution) @ added)
 
     def _refined(self, rhs: Array, enough: float) -> tuple[Array, float]:
         """A solution and the size of its residual, after one step of refinement if that helps."""
@@ -137,6 +138,26 @@ class CheckedFactor:
             if refined_error < error:
                 return refined, refined_error
         return solution, error
+
+
+def terms(matrix: Any, vectors: Array) -> Array:
+    """What the terms of ``matrix @ vectors``, for one (n,) or some (n, k), come to one by one: |A| |x|.
+
+    A copy of a large matrix would be as much memory as it is itself, so columns are taken together by and by.
+    """
+    from scipy.sparse import csc_matrix
+
+    sizes, (rows, columns) = np.abs(vectors), matrix.shape
+    if matrix.format != "csc":
+        return np.asarray(abs(matrix) @ sizes)
+    total = np.zeros((rows, *sizes.shape[1:]))
+    for first in range(0, columns, COLUMNS):
+        last = min(first + COLUMNS, columns)
+        part = slice(int(matrix.indptr[first]), int(matrix.indptr[last]))
+        within = matrix.indptr[first : last + 1] - matrix.indptr[first]
+        some = csc_matrix((np.abs(matrix.data[part]), matrix.indices[part], within), shape=(rows, last - first))
+        total += some @ sizes[first:last]
+    return total
 
 
 def factorize_with_pivoting(matrix: Any) -> Any:

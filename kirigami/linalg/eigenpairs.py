@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from kirigami.errors import AnalysisError
-from kirigami.linalg.checked import Factor, SingularMatrixError
+from kirigami.linalg.checked import Factor, SingularMatrixError, terms
 from kirigami.linalg.krylov import KrylovSpace, leading_pairs
 from kirigami.primitives.kernel import Array
 
@@ -72,8 +72,7 @@ class _Search:
         self, stiffness: Any, mass: Any, null: Array, factorize: Factorize, is_held: Callable[[Array], bool] | None
     ) -> None:
         self.stiffness, self.mass, self.null, self.factorize = stiffness, mass, null, factorize
-        self.weight = mass.copy()  # without the zeros that give it the pattern of the stiffness
-        self.weight.eliminate_zeros()
+        self._massive = places_in(mass, stiffness)
         self.is_held = is_held
         weight = mass.diagonal()
         self.rank = int(np.count_nonzero(weight))
@@ -88,10 +87,13 @@ class _Search:
             return values[:count], vectors[:, :count]
         wanted = count + SPARE - (0 if shift else len(values))
         for seed in range(ROUNDS):
+            if factor is None:
+                factor = self.factorize(self._shifted(shift) if shift else grounded(self.stiffness, self.null))
             new, more = self._above(shift, factor, min(wanted, self.rank - len(values)), vectors, seed)
             values, vectors = np.append(values, new), np.hstack([vectors, more])
             order = np.argsort(values, kind="stable")
             values, vectors = values[order], vectors[:, order]
+            factor = None  # not beside the one that counts: it is seldom needed again, and large
             missing = self._missing(values, count)
             if not missing:
                 return values[:count], vectors[:, :count]
@@ -119,14 +121,14 @@ class _Search:
             if sound:
                 return 0.0, factor
             shift = -SHIFTED * self.scale
-            factor = self.factorize((supported - shift * self.mass).tocsc())
+            factor = self.factorize(self._shifted(shift, supported))
             if factor.negative:
                 return self._below(None)
             values, vectors = self._above(shift, factor, count - self.null.shape[1], self.null, 0)
             free = np.array([costs_nothing(supported, vector) for vector in vectors.T], dtype=bool)
             if not free.any():
                 near = min(-0.01 * float(values[0]), 0.5 * shift)
-                return near, self.factorize((self.stiffness - near * self.mass).tocsc())
+                return near, self.factorize(self._shifted(near))
             if self.is_held is not None and any(self.is_held(vector) for vector in vectors.T[free]):
                 raise AnalysisError(
                     "the lowest eigenvalues are but rounding of the stiffness, as for a very thin sheet that does not "
@@ -140,14 +142,14 @@ class _Search:
         shift = -SHIFTED * self.scale
         if factor is not None:  # the negative eigenvalue nearest to zero is the largest of the inverse turned over
             around = factor
-            space = KrylovSpace(lambda v: -around.solve(self.weight @ v), self.weight, self.null)
+            space = KrylovSpace(lambda v: -around.solve(self.mass @ v), self.mass, self.null)
             for _ in range(3):
                 space.grow()
             nearest = float(space.pairs(1)[0][0])
             shift = -2.0 / nearest if nearest > 0 else shift
         for _ in range(100):
             try:
-                below = self.factorize((self.stiffness - shift * self.mass).tocsc())
+                below = self.factorize(self._shifted(shift))
                 if not below.negative:
                     return shift, below
             except SingularMatrixError:
@@ -155,13 +157,27 @@ class _Search:
             shift *= 4.0
         raise AnalysisError("no shift lies below the lowest eigenvalue: is something unstable without mass?")
 
+    def _shifted(self, shift: float, supported: Any = None) -> Any:
+        """``K - shift M``, or the same of K with springs, in the very pattern of K where that has room for M: solvers
+        know it by that."""
+        stiffness = self.stiffness if supported is None else supported
+        if self._massive is None or stiffness.nnz != self.stiffness.nnz:
+            return (stiffness - shift * self.mass).tocsc()
+        from scipy.sparse import csc_matrix
+
+        data = stiffness.data.copy()
+        data[self._massive] -= shift * self.mass.data
+        matrix = csc_matrix((data, stiffness.indices, stiffness.indptr), shape=stiffness.shape)
+        matrix.indices, matrix.indptr = stiffness.indices, stiffness.indptr
+        return matrix
+
     # ---- finding and counting
 
     def _above(self, shift: float, factor: Factor, count: int, avoid: Array, seed: int) -> tuple[Array, Array]:
         """Eigenvalues above `shift` (ascending) and vectors, beside those of `avoid`."""
         if count < 1:
             return np.empty(0), self.null[:, :0]
-        space = KrylovSpace(lambda v: factor.solve(self.weight @ v), self.weight, avoid, seed)
+        space = KrylovSpace(lambda v: factor.solve(self.mass @ v), self.mass, avoid, seed)
         inverse, vectors = leading_pairs(space, count)
         return shift + 1.0 / inverse, vectors
 
@@ -186,10 +202,26 @@ class _Search:
         for share in (0.5, 0.4, 0.6):
             between = (1 - share) * low + share * high
             try:
-                return self.factorize((self.stiffness - between * self.mass).tocsc()).negative
+                return self.factorize(self._shifted(between)).negative
             except SingularMatrixError:
                 continue
         raise AnalysisError(f"the eigenvalues between {low:.6g} and {high:.6g} cannot be counted")
+
+
+def places_in(part: Any, whole: Any) -> Any:
+    """Where the entries of a matrix stand among those of another one (both CSC, rows in order); None where some do not,
+    or rows are not in order."""
+    if part.format != "csc" or whole.format != "csc" or not whole.has_sorted_indices or not part.has_sorted_indices:
+        return None
+    column = np.repeat(np.arange(part.shape[1]), np.diff(part.indptr))
+    low, high = whole.indptr[column].astype(np.int64), whole.indptr[column + 1].astype(np.int64)
+    end = high
+    while np.any(low < high):  # halves what is left of each column
+        middle = (low + high) // 2
+        below = np.logical_and(low < high, whole.indices[np.minimum(middle, whole.nnz - 1)] < part.indices)
+        low, high = np.where(below, middle + 1, low), np.where(below, high, middle)
+    there = (low < end) & (whole.indices[np.minimum(low, whole.nnz - 1)] == part.indices)
+    return low if there.all() else None
 
 
 def orthonormal(vectors: Array, mass: Any) -> Array:
@@ -219,7 +251,7 @@ def grounded(stiffness: Any, null: Array) -> Any:
 
 def costs_nothing(matrix: Any, vector: Array) -> bool:
     """Whether the energy of a motion is nothing but the rounding of the terms it sums up."""
-    one_by_one = float(np.abs(vector) @ (abs(matrix) @ np.abs(vector)))
+    one_by_one = float(np.abs(vector) @ terms(matrix, vector))
     return abs(float(vector @ (matrix @ vector))) <= FREE * one_by_one
 
 
@@ -238,15 +270,14 @@ def resists(matrix: Any, factor: Factor) -> bool:
 
 def _check_residuals(stiffness: Any, mass: Any, values: Array, vectors: Array) -> None:
     """Raise AnalysisError for a pair that does not solve ``K v = value M v`` as well as rounding lets it."""
-    magnitude = abs(stiffness)
-    unit = 8 * np.finfo(float).eps * float(magnitude.sum(axis=0).max())  # rounding of a vector of length one itself
+    unit = 8 * np.finfo(float).eps * float(terms(stiffness, np.ones(stiffness.shape[0])).max())  # rounding of a vector of length one itself
     for value, vector in zip(values.tolist(), vectors.T):
         inertia = value * (mass @ vector)
         error = float(np.linalg.norm(stiffness @ vector - inertia))
-        terms = float(np.linalg.norm(magnitude @ np.abs(vector)))
-        rounding = 1e-11 * terms + unit * float(np.linalg.norm(vector))
+        added = float(np.linalg.norm(terms(stiffness, vector)))
+        rounding = 1e-11 * added + unit * float(np.linalg.norm(vector))
         if not error <= 1e-6 * float(np.linalg.norm(inertia)) + rounding:
-            raise AnalysisError(f"the eigenvalue {value:.6g} is not solved: residual {error:.1e} of forces {terms:.1e}")
+            raise AnalysisError(f"the eigenvalue {value:.6g} is not solved: residual {error:.1e} of forces {added:.1e}")
 
 
 def inverse_iteration(factor: Factor, size: int, rounds: int, settled: float = 0.0) -> tuple[float, Array]:

@@ -14,6 +14,7 @@ SETTLED = 1e-9  # residual of a pair over its value at which it is taken: the er
 USABLE = 1e-4  # ... and at which it is taken where more rounds do not help
 DROWNED = 1e-6  # value over the largest one below which it has lost too many digits
 SPENT = 1e-12  # what is left of a vector when that is nothing but rounding
+PASSES = 4  # most that it takes to leave nothing of a vector along others
 BLOCK = 4  # vectors that start a space together, so that equal eigenvalues are found at once
 RESTARTS = 40  # times that a space is restarted before it is given up
 
@@ -22,7 +23,8 @@ class KrylovSpace:
     """The largest eigenpairs of a linear operator that is symmetric in a metric, by block Lanczos with restarts.
 
     The basis is kept orthogonal to the last digit, and the operator is projected on it as it is (Rayleigh-Ritz), so no
-    eigenvalue comes twice and restarts lose nothing.
+    eigenvalue comes twice and restarts lose nothing. Images of the basis lie in the space and its next block, by
+    coefficients: they are not kept beside it.
 
     Parameters
     ----------
@@ -41,8 +43,9 @@ class KrylovSpace:
         self._avoid, self._metric_avoid = avoid, metric @ avoid
         n = metric.shape[0]
         self.size = 0  # vectors in the basis
-        self._room = np.empty((2, 0, n))  # the basis and its images, vector by vector; made once as large as it gets
+        self._room = np.empty((0, n))  # the basis, vector by vector; made once as large as it gets
         self._projected = np.empty((0, 0))
+        self._beyond = np.empty((0, 0))  # coefficients (next block, basis) of what images have beyond the basis
         start = np.random.default_rng(seed).normal(size=(n, min(BLOCK, n)))
         self._next = self._new_directions(self._clear(self._operator(self._clear(start))))
 
@@ -53,17 +56,13 @@ class KrylovSpace:
 
     @property
     def _basis(self) -> Array:
-        return np.asarray(self._room[0, : self.size].T)
-
-    @property
-    def _images(self) -> Array:
-        return np.asarray(self._room[1, : self.size].T)
+        return np.asarray(self._room[: self.size].T)
 
     def reserve(self, size: int) -> None:
         """Make room for so many vectors, and a block more."""
-        if self._room.shape[1] < size + BLOCK:
-            room = np.empty((2, size + BLOCK, self._room.shape[2]))
-            room[:, : self.size] = self._room[:, : self.size]
+        if len(self._room) < size + BLOCK:
+            room = np.empty((size + BLOCK, self._room.shape[1]))
+            room[: self.size] = self._room[: self.size]
             self._room = room
 
     def grow(self) -> None:
@@ -72,29 +71,41 @@ class KrylovSpace:
         self.reserve(self.size)
         before, self.size = self.size, self.size + block.shape[1]
         image = self._clear(self._operator(block)) if block.size else block
-        self._room[0, before : self.size], self._room[1, before : self.size] = block.T, image.T
-        columns = self._basis.T @ (self._metric @ image)
+        self._room[before : self.size] = block.T
+        weighed = self._metric @ image
+        columns = self._basis.T @ weighed
         projected = np.empty((self.size, self.size))
         projected[:before, :before] = self._projected
         projected[:, before:], projected[before:] = columns, columns.T
         self._projected = projected
         self._next = self._new_directions(image)
+        self._beyond = np.zeros((self._next.shape[1], self.size))  # images of blocks before lie in the basis by now
+        self._beyond[:, before:] = self._next.T @ weighed
 
     def pairs(self, count: int) -> tuple[Array, Array, Array]:
         """Largest Ritz values (descending), their vectors (n, count), and the size of their residuals."""
         values, rows = self._ritz(count)
-        images = self._images @ rows
-        error = images - (self._basis @ rows) * values
-        # Images have once more been through the operator, which leaves less in them of what it makes small.
-        vectors = images / np.where(values == 0, 1.0, values)
-        return values, vectors, np.sqrt(np.maximum((error * (self._metric @ error)).sum(axis=0), 0.0))
+        return values, self._basis @ rows, self._errors(rows)
+
+    def _errors(self, rows: Array) -> Array:
+        """Size of the residuals of combinations `rows` of the basis: what their images have beyond it."""
+        return np.asarray(np.linalg.norm(self._beyond @ rows, axis=0))
+
+    def errors(self, count: int) -> tuple[Array, Array]:
+        """Values and errors as :meth:`pairs` gives them, without the vectors."""
+        values, rows = self._ritz(count)
+        return values, self._errors(rows)
+
+    def images(self, values: Array, vectors: Array) -> Array:
+        """Ritz vectors once more through the operator, which leaves less in them of what it makes small."""
+        return self._clear(self._operator(vectors)) / values
 
     def restart(self, count: int) -> None:
         """Keep the vectors of the largest Ritz values only."""
         values, rows = self._ritz(count)
         kept = len(values)
-        for part in self._room:
-            part[:kept] = (part[: self.size].T @ rows).T
+        self._room[:kept] = rows.T @ self._room[: self.size]
+        self._beyond = self._beyond @ rows
         self.size, self._projected = kept, np.diag(values)
 
     def _ritz(self, count: int) -> tuple[Array, Array]:
@@ -108,18 +119,23 @@ class KrylovSpace:
     def _new_directions(self, vectors: Array) -> Array:
         """An orthonormal basis of what in `vectors` is new to the space, and nothing where that is only rounding."""
         found = np.empty((len(vectors), 0))
-        for vector in vectors.T:
-            size = _norm(self._metric, vector)
-            for _ in range(3):
+        sizes = [_norm(self._metric, vector) for vector in vectors.T]
+        vectors = self._clear(vectors)  # all at once, which reads the basis once
+        vectors = vectors - self._basis @ (self._basis.T @ (self._metric @ vectors))
+        for vector, size in zip(vectors.T, sizes):
+            before = _norm(self._metric, vector)
+            for _ in range(PASSES):
                 vector = self._clear(vector[:, None])[:, 0]
                 image = self._metric @ vector
                 vector = vector - self._basis @ (self._basis.T @ image) - found @ (found.T @ image)
                 length = _norm(self._metric, vector)
                 if not length > SPENT * size:
                     break
-                vector, size = vector / length, 1.0
-            else:
-                found = np.column_stack([found, vector])
+                vector = vector / length
+                if length > 0.5 * before:  # nothing cancelled, so that nothing is left along the others
+                    found = np.column_stack([found, vector])
+                    break
+                before = size = 1.0
         return found
 
 
@@ -133,6 +149,11 @@ def leading_pairs(space: KrylovSpace, count: int) -> tuple[Array, Array]:
     At most `count`, and those only that are not drowned by the rounding of the largest: leave those found out of a
     new space to find more. Raises AnalysisError where they do not settle.
     """
+
+    def settled(clear: Array) -> tuple[Array, Array]:
+        values, vectors, _ = space.pairs(count)
+        return values[clear], space.images(values[clear], vectors[:, clear])
+
     longest, best = 2 * count + 12 * BLOCK, float("inf")
     space.reserve(longest)
     for _ in range(RESTARTS):
@@ -140,15 +161,15 @@ def leading_pairs(space: KrylovSpace, count: int) -> tuple[Array, Array]:
             if space.size < longest:
                 space.grow()
             if space.complete or space.size >= longest or space.size % (3 * BLOCK) == 0:
-                values, vectors, errors = space.pairs(count)
+                values, errors = space.errors(count)
                 clear = values > max(DROWNED * float(values.max(initial=0.0)), 0.0)
                 error = float((errors[clear] / values[clear]).max(initial=0.0))
                 if space.complete or (len(values) == count and clear.any() and error <= SETTLED):
-                    return values[clear], vectors[:, clear]
+                    return settled(clear)
             if space.size >= longest:
                 break
         if clear.any() and USABLE >= error > 0.5 * best:  # as good as the solutions of equations let it become
-            return values[clear], vectors[:, clear]
+            return settled(clear)
         best = min(best, error)
         space.restart(count + 2 * BLOCK)
     raise AnalysisError(

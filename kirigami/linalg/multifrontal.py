@@ -40,6 +40,7 @@ from kirigami.linalg.threads import LARGE, one_thread, threads_for
 from kirigami.primitives.compiling import compiles
 from kirigami.primitives.kernel import Array
 
+COLUMNS, ENTRIES = 20_000, 1 << 20  # of a matrix that are looked at together, so that what this takes is little
 AMPLIFIED = 1e4  # displacements of a front per displacement of its border that are no lever any more
 
 Slices = tuple[slice, slice]
@@ -79,7 +80,7 @@ class FrontPlan:
         sizes = np.stack([self.pivots**2, self.pivots * self.border], axis=1)
         self.offsets = np.append(0, np.cumsum(sizes))
         self.size = int(self.offsets[-1])
-        self.taken, self.places = self._entries(matrix)
+        self.taken, self.places = self._entries(matrix)  # as small as numbers go: they are as many as entries
         self.children: list[list[int]] = [[] for _ in range(count)]
         for child, parent in enumerate(fronts.parent.tolist()):
             if parent >= 0:
@@ -101,29 +102,52 @@ class FrontPlan:
             return None
         return SolvePlan(self.fronts, self.offsets, *self.shares(2 if self.size >= LARGE else 1))
 
+    def spread(self, data: Array) -> Array:
+        """A factor's array with the entries of a matrix at their places, and zeros elsewhere."""
+        store = np.zeros(self.size)
+        for first in range(0, len(self.taken), ENTRIES):  # NumPy widens numbers that it finds entries by
+            part = slice(first, first + ENTRIES)
+            store[self.places[part]] = data[self.taken[part]]
+        return store
+
     def _entries(self, matrix: Any) -> tuple[Index, Index]:
         """Which entries of the matrix are taken (the lower triangle in the new order), and their places."""
         fronts = self.fronts
         n = len(fronts.order)
         number = np.empty(n, dtype=np.int64)
         number[fronts.order] = np.arange(n)
-        row, column = number[matrix.indices], np.repeat(number, np.diff(matrix.indptr))
-        taken = np.flatnonzero(row >= column)
-        row, column = row[taken], column[taken]
+        listed = np.concatenate(fronts.borders) if fronts.borders else np.empty(0, dtype=np.int64)
+        codes = np.repeat(np.arange(len(fronts.parent)), self.border) * n + listed  # of all (front, border row), sorted
+        count = (matrix.nnz + n) // 2  # of the lower triangle, where all of the diagonal is there
+        taken = np.empty(count, dtype=np.int32 if matrix.nnz < 2**31 else np.int64)
+        places = np.empty(count, dtype=np.int32 if self.size < 2**31 else np.int64)
+        filled = 0
+        for first in range(0, n, COLUMNS):
+            last = min(first + COLUMNS, n)
+            begin, end = int(matrix.indptr[first]), int(matrix.indptr[last])
+            row = number[matrix.indices[begin:end]]
+            column = np.repeat(number[first:last], np.diff(matrix.indptr[first : last + 1]))
+            lower = np.flatnonzero(row >= column)
+            found = slice(filled, filled + len(lower))
+            filled = found.stop
+            taken[found] = begin + lower
+            places[found] = self._places(row[lower], column[lower], codes)
+        return taken[:filled], places[:filled]
+
+    def _places(self, row: Index, column: Index, codes: Index) -> Index:
+        """Where entries of the lower triangle stand in a factor; `codes` are n * front + row of all borders."""
+        fronts = self.fronts
         front = np.searchsorted(fronts.starts, column, side="right") - 1
         start, pivots, border = fronts.starts[front], self.pivots[front], self.border[front]
         inner = row < start + pivots
         where = self.offsets[2 * front] + (column - start) * pivots + row - start
-        # Rows on the border: their rank in the sorted list of all (front, border row).
         outer = np.flatnonzero(~inner)
-        listed = np.concatenate(fronts.borders) if fronts.borders else np.empty(0, dtype=np.int64)
-        codes = np.repeat(np.arange(len(fronts.parent)), self.border) * n + listed
-        wanted = front[outer] * n + row[outer]
+        wanted = front[outer] * len(fronts.order) + row[outer]
         rank = np.searchsorted(codes, wanted)
         assert np.array_equal(codes[np.minimum(rank, len(codes) - 1)], wanted) if len(outer) else True
         rank -= (np.cumsum(self.border) - self.border)[front[outer]]
         where[outer] = self.offsets[2 * front[outer] + 1] + (column - start)[outer] * border[outer] + rank
-        return taken, where
+        return where
 
     def _transfer(self, child: int) -> Transfer:
         """How the left-over of a front adds to the blocks of its parent, stretch by stretch."""
@@ -257,8 +281,7 @@ class MultifrontalFactor(CheckedFactor):
     def __init__(self, matrix: Any, plan: FrontPlan) -> None:
         super().__init__(matrix)
         self._order = plan.fronts.order
-        store = np.zeros(plan.size)
-        store[plan.places] = self.matrix.data[plan.taken]
+        store = plan.spread(self.matrix.data)
         work = _Elimination(plan, store)
         with one_thread():
             side_by_side, rest = plan.shares(threads_for(plan.size))

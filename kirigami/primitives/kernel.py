@@ -210,6 +210,18 @@ class Kernel:
         assert after.gradient is not None and before.gradient is not None
         return Contribution(after.energy - before.energy, after.gradient - before.gradient)
 
+    def with_product(self, x: Array, lam: float, vectors: Array) -> tuple[Contribution, Array]:
+        """Energy and gradient at positions `x`, and the product of the Hessian of each member with its nodes' vectors,
+        both (n, k, dim); kernels of large Hessians override it and make them piece by piece."""
+        found = self.evaluate(x, lam, 2)
+        product = np.zeros_like(vectors) if self.pairs == () else hessian_product(self, found, vectors)
+        return found._replace(hessian=None), product
+
+    def stiffness_size(self, x: Array, lam: float) -> Array:
+        """Root of the sum of squares (n,) of the Hessian of each member at positions `x`; see above."""
+        hessian = hessian_blocks(self, x, lam).reshape(len(self.conn), -1)
+        return np.sqrt(np.einsum("nk,nk->n", hessian, hessian))
+
     def stiffness_of_positions(self, stiffness: Array) -> Array:
         """The part of each member's `stiffness` (n,) at rest that acts on positions, and so on their rounding, instead
         of displacements: all or nothing of it, by ``measures_displacement``, unless a kernel knows better."""

@@ -19,8 +19,9 @@ from kirigami.elements.facet import FacetKernel
 from kirigami.elements.shell_kernel import ShellFacetKernel
 from kirigami.errors import AnalysisError, ModelError
 from kirigami.primitives.checks import require_whole
-from kirigami.primitives.kernel import Array, Configuration, Kernel, hessian_product
+from kirigami.primitives.kernel import Array, Configuration, Kernel
 from kirigami.primitives.material import strain_turn
+from kirigami.results.linearised import linear_contribution
 from kirigami.results.results import Results
 
 if TYPE_CHECKING:
@@ -183,10 +184,8 @@ def _energy(results: Results, kernel: Kernel, twin: Kernel, number: int) -> floa
     step = results[number]
     rows = results.rows(step)
     if results.linear:
-        start = twin.evaluate(Configuration(twin.rest, np.zeros_like(rows)), step.lam, 2)  # type: ignore[attr-defined]
-        assert start.gradient is not None
-        u = rows[twin.conn]
-        return float((start.energy + ((start.gradient + 0.5 * hessian_product(twin, start, u)) * u).sum((1, 2))).sum())
+        at_rest = Configuration(twin.rest, np.zeros_like(rows))  # type: ignore[attr-defined]
+        return float(linear_contribution(twin, at_rest, step.lam, rows).energy.sum())
     before = kernel.history
     position = next(k for k, other in enumerate(results.kernels) if other is kernel)
     if before is not None and position < len(step.history) and step.history[position] is not None:

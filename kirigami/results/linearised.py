@@ -10,15 +10,24 @@ NEAR = 1e-4  # share of a deformation over which the force of a linear analysis 
 SMALL = 1e-4  # load factor over which a difference tells a rate
 
 
-def linear_contribution(kernel: Kernel, rest: Configuration, lam: float) -> Contribution:
-    """Energy to second order, gradient to first and Hessian of a kernel at rest, for a load factor."""
+def linear_contribution(kernel: Kernel, rest: Configuration, lam: float, rows: Array) -> Contribution:
+    """Energy to second order and gradient to first of a kernel at displacements (rows, dim), for a load factor."""
+    u = rows[kernel.conn]
+    start, rate = _at_rest(kernel, rest, lam, u)
+    assert start.gradient is not None
+    energy = start.energy + ((start.gradient + 0.5 * rate) * u).sum(axis=(1, 2))
+    return Contribution(energy, start.gradient + rate)
+
+
+def _at_rest(kernel: Kernel, rest: Configuration, lam: float, u: Array) -> tuple[Contribution, Array]:
+    """Energy and gradient of a kernel at rest, and the change of the gradient (n, k, dim) by displacements `u`."""
     if not kernel.scaled or type(kernel).by_load is Kernel.by_load:
-        return kernel.evaluate(rest, lam, 2)
-    found, rate = kernel.evaluate(rest, 0.0, 2), kernel.by_load(rest, 0.0, 1)
+        return kernel.with_product(rest, lam, u)
+    (found, product), rate = kernel.with_product(rest, 0.0, u), kernel.by_load(rest, 0.0, 1)
     assert found.gradient is not None and rate.gradient is not None
     bend = (kernel.by_load(rest, SMALL, 0).energy - kernel.by_load(rest, -SMALL, 0).energy) / (2 * SMALL)
     energy = found.energy + lam * rate.energy + 0.5 * lam**2 * bend
-    return found._replace(energy=energy, gradient=found.gradient + lam * rate.gradient)
+    return found._replace(energy=energy, gradient=found.gradient + lam * rate.gradient), product
 
 
 def linear_force(kernel: Kernel, start: Array, felt: Array, lam: float) -> Array:

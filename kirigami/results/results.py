@@ -18,7 +18,7 @@ from kirigami.primitives.checks import (
     require_text,
     require_whole,
 )
-from kirigami.primitives.kernel import Array, Configuration, Kernel, hessian_product
+from kirigami.primitives.kernel import Array, Configuration, Kernel
 from kirigami.primitives.node import AXES, Node
 from kirigami.results.linearised import NEAR, linear_contribution, linear_force
 from kirigami.results.record import ModelRecord, Nodes
@@ -291,11 +291,7 @@ class Results(ModelRecord):
                 continue
             for kernel in self.kernels:
                 if self.linear:
-                    at_start = linear_contribution(kernel, at_rest, step.lam)
-                    gradient = at_start.gradient
-                    assert gradient is not None
-                    if kernel.pairs != ():
-                        gradient = gradient + hessian_product(kernel, at_start, self.rows(step)[kernel.conn])
+                    gradient = linear_contribution(kernel, at_rest, step.lam, self.rows(step)).gradient
                 else:
                     gradient = self.evaluate_at(kernel, step, lambda x: kernel.evaluate(x, step.lam, 1)).gradient  # noqa: B023
                 assert gradient is not None
@@ -359,11 +355,7 @@ class Results(ModelRecord):
         if not self.linear:
             found: Array = self.evaluate_at(kernel, step, lambda x: kernel.evaluate(x, step.lam, 0)).energy
             return found if kernel.plastic() is None else found - self.member_dissipation(kernel, step)
-        start = linear_contribution(kernel, self.configuration(), step.lam)
-        assert start.gradient is not None
-        u = self.rows(step)[kernel.conn]
-        rate = start.gradient + 0.5 * hessian_product(kernel, start, u)
-        return np.asarray(start.energy + (rate * u).sum(axis=(1, 2)))
+        return linear_contribution(kernel, self.configuration(), step.lam, self.rows(step)).energy
 
     def member_dissipation(self, kernel: Kernel, step: Step) -> Array:
         """Energy (members,) that members of one of the kernels have dissipated by yield up to a step [force length]."""

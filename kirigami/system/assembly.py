@@ -19,6 +19,7 @@ if TYPE_CHECKING:
 
 Index = NDArray[np.int64]
 
+TOGETHER = 1 << 20  # blocks or entries that are taken together, so that what this takes is little
 MEMBERS = 5_000  # members of a kernel below which numpy is fast enough, but for kernels that say less
 
 
@@ -101,17 +102,22 @@ class BlockPlan:
         apart = distance > 0
         return low[apart], high[apart], distance[apart]
 
-    def multiply(self, blocks: Array, vector: Array) -> Array:
-        """Product of the symmetric block matrix with a field (n, dim), which may be zero nearly everywhere."""
+    def multiply(self, blocks: Array, vector: Array, sizes: bool = False) -> Array:
+        """Product of the symmetric block matrix with a field (n, dim), which may be zero nearly everywhere; of the
+        `sizes` of both, on demand."""
         product = np.zeros_like(vector)
         moving = np.asarray(vector.any(axis=1))
-        at = np.flatnonzero(moving[self.low] | moving[self.high])
-        low, high, blocks = self.low[at], self.high[at], blocks[:, :, at]
-        off = low != high
-        upper = np.einsum("abn,nb->na", blocks, vector[high])
-        lower = np.einsum("ban,nb->na", blocks[:, :, off], vector[low[off]])
-        scatter_add(product, low[:, None], upper[:, None])
-        scatter_add(product, high[off][:, None], lower[:, None])
+        moved = np.flatnonzero(moving[self.low] | moving[self.high])
+        vector = np.abs(vector) if sizes else vector
+        for first in range(0, len(moved), TOGETHER):
+            at = moved[first : first + TOGETHER]
+            low, high, some = self.low[at], self.high[at], blocks[:, :, at]
+            some = np.abs(some) if sizes else some
+            off = low != high
+            upper = np.einsum("abn,nb->na", some, vector[high])
+            lower = np.einsum("ban,nb->na", some[:, :, off], vector[low[off]])
+            scatter_add(product, low[:, None], upper[:, None])
+            scatter_add(product, high[off][:, None], lower[:, None])
         return product
 
 
@@ -173,7 +179,11 @@ class PickPlan:
     def matrix(self, blocks: Array) -> Any:
         from scipy.sparse import csc_matrix
 
-        data = np.ascontiguousarray(blocks.transpose(2, 0, 1)).reshape(-1)[self.source]
+        side_by_side = np.ascontiguousarray(blocks.transpose(2, 0, 1)).reshape(-1)
+        data = np.empty(len(self.source))
+        for first in range(0, len(data), TOGETHER):  # NumPy widens numbers that it finds entries by
+            part = slice(first, first + TOGETHER)
+            data[part] = side_by_side[self.source[part]]
         if self.starts is not None:
             data = np.add.reduceat(data, self.starts) if len(data) else data
         matrix = csc_matrix((data, self.indices, self.indptr), shape=(self.size, self.size))

@@ -6,6 +6,8 @@ elsewhere divides by a mass.
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from kirigami.elements.triangle import corner_mass
@@ -39,7 +41,7 @@ class Inertia:
     uncarried : ndarray, shape (dim, dim, blocks)
         The same without that.
     matrix : sparse matrix, shape (free, free)
-        Mass over the unknowns, in the pattern of the stiffness.
+        Mass over the unknowns, within the pattern of the stiffness.
 
     Raises
     ------
@@ -69,7 +71,7 @@ class Inertia:
             self.blocks = self.blocks.copy()
             none = np.zeros_like(system.rest)
             system.grips.condense(self.blocks, plan.low, plan.high, none if about is None else about, none, 0.0)
-        self.matrix = system.matrix(self.blocks)
+        self.matrix = _without_zeros(system.matrix(self.blocks))
 
     @property
     def total(self) -> float:
@@ -84,6 +86,15 @@ class Inertia:
     def energy(self, velocity: Array) -> float:
         """Kinetic energy at velocities (rows, dim)."""
         return 0.5 * float((velocity * self.momentum(velocity)).sum())
+
+
+def _without_zeros(matrix: Any) -> Any:
+    """A copy of a CSC matrix without its zeros, which leaves the pattern that it shares with others as it is."""
+    from scipy.sparse import csc_matrix
+
+    there = np.flatnonzero(matrix.data)
+    indptr = np.searchsorted(there, matrix.indptr)
+    return csc_matrix((matrix.data[there], matrix.indices[there], indptr), shape=matrix.shape)
 
 
 def mass_parts(system: System, lumped: bool) -> list[tuple[Index, Array]]:

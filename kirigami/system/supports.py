@@ -9,6 +9,7 @@ import numpy as np
 
 from kirigami.errors import MechanismError
 from kirigami.linalg import Factor, SingularMatrixError, factorize
+from kirigami.linalg.checked import terms
 from kirigami.primitives.kernel import Array, full_hessian
 from kirigami.primitives.node import AXES
 from kirigami.primitives.rigid import rigid_motions
@@ -167,8 +168,8 @@ def rigid_unknowns(system: System, u: Array, matrix: Any) -> Array:
     if not found:
         return np.zeros((system.free, 0))
     fields = np.concatenate(found).T
-    terms = np.linalg.norm(abs(matrix) @ np.abs(fields), axis=0)
-    fields = fields / np.where(terms == 0, 1.0, terms)
+    size = np.linalg.norm(terms(matrix, fields), axis=0)
+    fields = fields / np.where(size == 0, 1.0, size)
     forces = matrix @ fields
     still = np.linalg.norm(forces, axis=0) <= AT_REST
     # Among those that cost something by themselves there may be mixtures that do not.

@@ -222,8 +222,10 @@ class System(Lowered):
                 more = part if more is None else more + part
         return more
 
-    def multiply(self, blocks: Array, vector: Array) -> Array:
-        """Product of assembled blocks with a field (n, dim)."""
+    def multiply(self, blocks: Array, vector: Array, sizes: bool = False) -> Array:
+        """Product of assembled blocks with a field (n, dim), or of the sizes of both, without what couples beyond."""
+        if sizes:
+            return self.plan.multiply(np.asarray(blocks), vector, sizes)
         product, more = self.plan.multiply(np.asarray(blocks), vector), more_of(blocks)
         return product if more is None else product + (more @ vector.ravel()).reshape(vector.shape)
 
