@@ -22,9 +22,10 @@ class SingularMatrixError(KirigamiError):
 
 
 class Factor(Protocol):
-    """A factorised symmetric matrix."""
+    """A factorised symmetric matrix, and the matrix itself."""
 
     backend: str
+    matrix: Any
 
     @property
     def negative(self) -> int:
@@ -47,6 +48,9 @@ class NothingToSolve:
 
     backend = "none"
     negative = 0
+
+    def __init__(self, matrix: Any) -> None:
+        self.matrix = matrix
 
     def solve(self, rhs: Array) -> Array:
         return np.zeros_like(rhs)

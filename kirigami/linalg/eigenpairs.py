@@ -270,7 +270,8 @@ def resists(matrix: Any, factor: Factor) -> bool:
 
 def _check_residuals(stiffness: Any, mass: Any, values: Array, vectors: Array) -> None:
     """Raise AnalysisError for a pair that does not solve ``K v = value M v`` as well as rounding lets it."""
-    unit = 8 * np.finfo(float).eps * float(terms(stiffness, np.ones(stiffness.shape[0])).max())  # rounding of a vector of length one itself
+    largest = float(terms(stiffness, np.ones(stiffness.shape[0])).max())
+    unit = 8 * np.finfo(float).eps * largest  # rounding of a vector of length one itself
     for value, vector in zip(values.tolist(), vectors.T):
         inertia = value * (mass @ vector)
         error = float(np.linalg.norm(stiffness @ vector - inertia))

@@ -2,7 +2,8 @@
 this file.
 
 A solution reads the whole factor twice and does little with it, so that all that counts is to read it once from front
-to end and back, side by side in memory: column by column of L, which is how the blocks of a front lie there.
+to end and back, side by side in memory: column by column of L, which is how the blocks of a front lie there. Several
+right-hand sides (k, n) share each column while it is at hand.
 """
 
 from __future__ import annotations
@@ -21,24 +22,27 @@ def forward(fronts, starts, first, border, offsets, store, x):  # type: ignore[n
     longest = 0
     for f in fronts:
         longest = max(longest, first[f + 1] - first[f])
-    update = np.empty(longest)
+    update = np.empty((len(x), longest))
     for f in fronts:
         start, p, q = starts[f], starts[f + 1] - starts[f], first[f + 1] - first[f]
         inner, outer = offsets[2 * f], offsets[2 * f + 1]
-        own, rest = x[start : start + p], update[:q]
-        rest[:] = 0.0
+        update[:, :q] = 0.0
         for c in range(p):
-            column = store[inner + c * p : inner + (c + 1) * p]
-            value = own[c] / column[c]
-            own[c] = value
-            for r in range(c + 1, p):
-                own[r] -= column[r] * value
+            column = store[inner : inner + p - c]
+            inner += p - c
             below = store[outer + c * q : outer + (c + 1) * q]
-            for j in range(q):
-                rest[j] += below[j] * value
+            for k in range(len(x)):
+                own, rest = x[k, start + c : start + p], update[k, :q]
+                value = own[0] / column[0]
+                own[0] = value
+                for r in range(1, p - c):
+                    own[r] -= column[r] * value
+                for j in range(q):
+                    rest[j] += below[j] * value
         rows = border[first[f] : first[f + 1]]
-        for j in range(q):
-            x[rows[j]] -= rest[j]
+        for k in range(len(x)):
+            for j in range(q):
+                x[k, rows[j]] -= update[k, j]
 
 
 @compiled
@@ -47,20 +51,23 @@ def backward(fronts, starts, first, border, offsets, store, x):  # type: ignore[
     longest = 0
     for f in fronts:
         longest = max(longest, first[f + 1] - first[f])
-    above = np.empty(longest)
+    above = np.empty((len(x), longest))
     for f in fronts[::-1]:
         start, p, q = starts[f], starts[f + 1] - starts[f], first[f + 1] - first[f]
-        inner, outer = offsets[2 * f], offsets[2 * f + 1]
-        own, known = x[start : start + p], above[:q]
+        inner, outer = offsets[2 * f] + p * (p + 1) // 2, offsets[2 * f + 1]
         rows = border[first[f] : first[f + 1]]
-        for j in range(q):
-            known[j] = x[rows[j]]
-        for c in range(p - 1, -1, -1):
-            column = store[inner + c * p : inner + (c + 1) * p]
-            below = store[outer + c * q : outer + (c + 1) * q]
-            total = 0.0
+        for k in range(len(x)):
             for j in range(q):
-                total += below[j] * known[j]
-            for r in range(c + 1, p):
-                total += column[r] * own[r]
-            own[c] = (own[c] - total) / column[c]
+                above[k, j] = x[k, rows[j]]
+        for c in range(p - 1, -1, -1):
+            inner -= p - c
+            column = store[inner : inner + p - c]
+            below = store[outer + c * q : outer + (c + 1) * q]
+            for k in range(len(x)):
+                own, known = x[k, start + c : start + p], above[k, :q]
+                total = 0.0
+                for j in range(q):
+                    total += below[j] * known[j]
+                for r in range(1, p - c):
+                    total += column[r] * own[r]
+                own[0] = (own[0] - total) / column[0]

@@ -6,6 +6,7 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from kirigami.errors import AnalysisError
 from kirigami.primitives.kernel import Array
@@ -150,7 +151,7 @@ def leading_pairs(space: KrylovSpace, count: int) -> tuple[Array, Array]:
     new space to find more. Raises AnalysisError where they do not settle.
     """
 
-    def settled(clear: Array) -> tuple[Array, Array]:
+    def settled(clear: NDArray[np.bool_]) -> tuple[Array, Array]:
         values, vectors, _ = space.pairs(count)
         return values[clear], space.images(values[clear], vectors[:, clear])
 

@@ -11,7 +11,7 @@ eigenvalues of the matrix are those of the blocks F11 together (Haynsworth, Line
 rows is possible inside a front only, so solutions are checked.
 
 Blocks are kept as C-ordered arrays of which entry [column, row] with row >= column counts: the lower triangle of the
-Fortran order that LAPACK wants. The other triangle holds nothing of use.
+Fortran order that LAPACK wants. The other triangle holds nothing of use, and the factor keeps pivot blocks without it.
 """
 
 from __future__ import annotations
@@ -57,7 +57,7 @@ class Multifrontal:
     def factorize(self, matrix: Any) -> Factor:
         """Factor a symmetric CSC matrix; raises SingularMatrixError where that is impossible also with pivoting."""
         if matrix.shape[0] == 0:
-            return NothingToSolve()
+            return NothingToSolve(matrix)
         if not self._pattern.knows(matrix) or self._plan is None:
             self._plan = FrontPlan(matrix, dissect(matrix))
         try:
@@ -69,7 +69,8 @@ class Multifrontal:
 class FrontPlan:
     """Where the entries of a matrix, and the left-overs of the fronts, belong.
 
-    All pivot blocks F11 and border blocks F21 lie one after the other in one array, the factor's.
+    All pivot blocks F11, packed column by column, and border blocks F21 lie one after the other in one array, the
+    factor's.
     """
 
     def __init__(self, matrix: Any, fronts: Fronts) -> None:
@@ -77,7 +78,7 @@ class FrontPlan:
         count = len(fronts.parent)
         self.pivots = np.diff(fronts.starts)
         self.border = np.array([len(border) for border in fronts.borders], dtype=np.int64)
-        sizes = np.stack([self.pivots**2, self.pivots * self.border], axis=1)
+        sizes = np.stack([self.pivots * (self.pivots + 1) // 2, self.pivots * self.border], axis=1)
         self.offsets = np.append(0, np.cumsum(sizes))
         self.size = int(self.offsets[-1])
         self.taken, self.places = self._entries(matrix)  # as small as numbers go: they are as many as entries
@@ -140,14 +141,15 @@ class FrontPlan:
         front = np.searchsorted(fronts.starts, column, side="right") - 1
         start, pivots, border = fronts.starts[front], self.pivots[front], self.border[front]
         inner = row < start + pivots
-        where = self.offsets[2 * front] + (column - start) * pivots + row - start
+        along = column - start
+        where = self.offsets[2 * front] + along * pivots - along * (along + 1) // 2 + row - start
         outer = np.flatnonzero(~inner)
         wanted = front[outer] * len(fronts.order) + row[outer]
         rank = np.searchsorted(codes, wanted)
         assert np.array_equal(codes[np.minimum(rank, len(codes) - 1)], wanted) if len(outer) else True
         rank -= (np.cumsum(self.border) - self.border)[front[outer]]
-        where[outer] = self.offsets[2 * front[outer] + 1] + (column - start)[outer] * border[outer] + rank
-        return where
+        where[outer] = self.offsets[2 * front[outer] + 1] + along[outer] * border[outer] + rank
+        return np.asarray(where)
 
     def _transfer(self, child: int) -> Transfer:
         """How the left-over of a front adds to the blocks of its parent, stretch by stretch."""
@@ -213,12 +215,14 @@ class _Elimination:
         plan, store = self.plan, self.store
         starts, offsets = plan.fronts.starts.tolist(), plan.offsets.tolist()
         buffers = _Buffers()
-        spare = np.empty(int(plan.pivots[np.array(numbers, dtype=np.int64)].max(initial=0)) ** 2)
+        squares = np.zeros((2, int(plan.pivots[np.array(numbers, dtype=np.int64)].max(initial=0)) ** 2))
         with np.errstate(all="ignore"):
             for f in numbers:
                 border = plan.fronts.borders[f]
                 p, q = starts[f + 1] - starts[f], len(border)
-                pivot = store[offsets[2 * f] : offsets[2 * f + 1]].reshape(p, p)
+                packed = store[offsets[2 * f] : offsets[2 * f + 1]]
+                pivot, original = squares[:, : p * p].reshape(2, p, p)
+                released.unpack(packed, pivot)
                 outer = store[offsets[2 * f + 1] : offsets[2 * f + 2]].reshape(p, q)
                 buffer, rest = buffers.take(q)
                 if plan.children[f]:
@@ -230,7 +234,6 @@ class _Elimination:
                         block = blocks[which][to]  # a view; adding to blocks[which][to] itself would copy it once more
                         block += update[source]
                     buffers.give(spent)
-                original = spare[: p * p].reshape(p, p)
                 original[...] = pivot
                 kept = 1.0 if plan.children[f] else 0.0  # BLAS does not read what it is to multiply by zero
                 if beside:
@@ -248,7 +251,8 @@ class _Elimination:
                 else:
                     pivot[...] = original
                     lower, exchanges = self._eliminate_indefinite(f, pivot, outer, rest, kept)
-                self.made[f] = _Front(starts[f], starts[f + 1], border, lower, outer, exchanges)
+                released.pack(lower.T, packed)
+                self.made[f] = _Front(starts[f], starts[f + 1], border, packed, outer, exchanges)
                 self._left_over[f] = buffer, rest
 
     def _eliminate_indefinite(
@@ -310,24 +314,25 @@ class MultifrontalFactor(CheckedFactor):
     def _apply(self, rhs: Array) -> Array:
         from scipy.linalg.lapack import dsytrs
 
-        if self._solve_plan is not None and rhs.ndim == 1:
+        if self._solve_plan is not None:
             return self._solve_plan.solve(self._store, rhs, threads_for(len(self._store)))
         triangular = _triangular if rhs.ndim == 1 else _triangular_of_some
         x = rhs[self._order]
+        square = np.zeros(max(front.end - front.start for front in self._fronts) ** 2)
         for front in self._fronts:
             own = x[front.start : front.end]
             if front.exchanges is None:
-                triangular(front.lower, own, False)
+                triangular(front.lower(square), own, False)
             if len(front.border):
                 x[front.border] -= front.outer.T @ own
         for front in reversed(self._fronts):
             own = x[front.start : front.end]
             if front.exchanges is not None:
-                own[...] = dsytrs(front.lower, front.exchanges, own, lower=1)[0].reshape(own.shape)
+                own[...] = dsytrs(front.lower(square), front.exchanges, own, lower=1)[0].reshape(own.shape)
             if len(front.border):
                 own -= front.outer @ x[front.border]
             if front.exchanges is None:
-                triangular(front.lower, own, True)
+                triangular(front.lower(square), own, True)
         solution = np.empty_like(x)
         solution[self._order] = x
         return solution
@@ -350,13 +355,20 @@ def _triangular_of_some(lower: Array, x: Array, turned: bool) -> None:
 class _Front(NamedTuple):
     """One eliminated front: its pivots, its border, and the factor of F11.
 
-    With `exchanges` None, ``lower`` is the L of Cholesky and ``outer`` is L^-1 F21'; else they are what sytrf leaves,
+    With `exchanges` None, ``packed`` is the L of Cholesky and ``outer`` is L^-1 F21'; else they are what sytrf leaves,
     and F11^-1 F21'.
     """
 
     start: int
     end: int
     border: Index
-    lower: Array
+    packed: Array
     outer: Array
     exchanges: NDArray[np.int32] | None
+
+    def lower(self, room: Array) -> Array:
+        """The factor (p, p) of F11, in Fortran's order, in some room for it."""
+        p = self.end - self.start
+        square = room[: p * p].reshape(p, p)
+        released.unpack(self.packed, square)
+        return np.asarray(square.T)

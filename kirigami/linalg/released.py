@@ -1,4 +1,4 @@
-"""Three routines of BLAS and LAPACK that let other threads run meanwhile.
+"""Routines of BLAS and LAPACK that let other threads run meanwhile.
 
 SciPy's wrappers keep Python's lock while they compute, so that threads that call them gain nothing. Here the routines
 that SciPy offers to Cython are called through ctypes, which lets go of the lock: the same libraries, the same numbers.
@@ -49,6 +49,18 @@ def cholesky(pivot: Array) -> int:
     p = len(pivot)
     _routine("cython_lapack", "dpotrf")(b"L", _whole(p), _at(pivot), _whole(p), ctypes.byref(info))
     return info.value
+
+
+def pack(square: Array, packed: Array) -> None:
+    """The half that counts of a block (p, p), column by column, into an array (p (p + 1) / 2,)."""
+    info, p = ctypes.c_int(0), len(square)
+    _routine("cython_lapack", "dtrttp")(b"L", _whole(p), _at(square), _whole(p), _at(packed), ctypes.byref(info))
+
+
+def unpack(packed: Array, square: Array) -> None:
+    """The way back; the other half is left as it is."""
+    info, p = ctypes.c_int(0), len(square)
+    _routine("cython_lapack", "dtpttr")(b"L", _whole(p), _at(packed), _at(square), _whole(p), ctypes.byref(info))
 
 
 def divide(pivot: Array, outer: Array) -> None:

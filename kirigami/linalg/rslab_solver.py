@@ -30,7 +30,7 @@ class Rslab:
     def factorize(self, matrix: Any) -> Factor:
         """Factor a symmetric CSC matrix; raises SingularMatrixError where that is impossible also with pivoting."""
         if matrix.shape[0] == 0:
-            return NothingToSolve()
+            return NothingToSolve(matrix)
         if not self._pattern.knows(matrix) or self._analysis is None:
             column = np.repeat(np.arange(matrix.shape[1]), np.diff(matrix.indptr))
             self._lower = np.flatnonzero(matrix.indices >= column)

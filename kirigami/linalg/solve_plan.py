@@ -45,10 +45,10 @@ class SolvePlan:
         self._rows = [np.flatnonzero(of_row == number) for number in range(len(halves) + 1)]
 
     def solve(self, store: Array, rhs: Array, threads: int) -> Array:
-        """Solution of one right-hand side (n,) with the factor in `store`."""
+        """Solution of one right-hand side (n,), or of some (n, k), with the factor in `store`."""
         from kirigami.linalg import front_loops
 
-        x = rhs[self._order]
+        x = np.ascontiguousarray(rhs[self._order].reshape(len(rhs), -1).T)  # one after the other
         if not self._halves:
             front_loops.forward(self._rest, *self._fronts, store, x)
             front_loops.backward(self._rest, *self._fronts, store, x)
@@ -57,8 +57,8 @@ class SolvePlan:
                 self._solve_halves(store, x, pool.map)
         else:
             self._solve_halves(store, x, map)
-        solution = np.empty_like(x)
-        solution[self._order] = x
+        solution = np.empty(rhs.shape)
+        solution[self._order] = x.T.reshape(rhs.shape)
         return solution
 
     def _solve_halves(self, store: Array, x: Array, each: Callable[..., Iterable[Any]]) -> None:
@@ -73,10 +73,10 @@ class SolvePlan:
             front_loops.backward(part, *self._fronts, store, x)
 
         shared = self._rows[-1]
-        before = x[shared]
+        before = x[:, shared]
         for rows, own in zip(self._rows, list(each(ahead, self._halves))):
-            x[rows] = own[rows]
-            x[shared] += own[shared] - before
+            x[:, rows] = own[:, rows]
+            x[:, shared] += own[:, shared] - before
         front_loops.forward(self._rest, *self._fronts, store, x)
         front_loops.backward(self._rest, *self._fronts, store, x)
         list(each(back, self._halves))

@@ -32,7 +32,7 @@ class SuperLU:
     def factorize(self, matrix: Any) -> Factor:
         """Factor a symmetric CSC matrix; raises SingularMatrixError where that is impossible also with pivoting."""
         if matrix.shape[0] == 0:
-            return NothingToSolve()
+            return NothingToSolve(matrix)
         if not self._pattern.knows(matrix) or self._permuted is None:
             factor = SuperLUFactor(matrix)
             self._remember(matrix, factor.order)

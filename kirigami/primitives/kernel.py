@@ -220,7 +220,7 @@ class Kernel:
     def stiffness_size(self, x: Array, lam: float) -> Array:
         """Root of the sum of squares (n,) of the Hessian of each member at positions `x`; see above."""
         hessian = hessian_blocks(self, x, lam).reshape(len(self.conn), -1)
-        return np.sqrt(np.einsum("nk,nk->n", hessian, hessian))
+        return np.asarray(np.sqrt(np.einsum("nk,nk->n", hessian, hessian)))
 
     def stiffness_of_positions(self, stiffness: Array) -> Array:
         """The part of each member's `stiffness` (n,) at rest that acts on positions, and so on their rounding, instead

@@ -147,10 +147,17 @@ class System(Lowered):
 
     def load_rate(self, u: Array, lam: float, blocks: Array) -> Array:
         """Change of the residual (free,) with the load factor at fixed unknowns."""
-        x = self.configuration(u)
+        return self.load_rate_beside(self.drive_rate(lam, blocks), u, lam)
+
+    def drive_rate(self, lam: float, blocks: Array) -> Array:
+        """The part (n, dim) of it that comes from what is driven: all that is asked of the blocks."""
         with self.clock("assembly"):
             drive = self.drive_at(lam).reshape(self.rest.shape)
-            rate = self.multiply(blocks, drive) if drive.any() else np.zeros_like(drive)
+            return self.multiply(blocks, drive) if drive.any() else np.zeros_like(drive)
+
+    def load_rate_beside(self, drive_rate: Array, u: Array, lam: float) -> Array:
+        """Change of the residual (free,) with the load factor at fixed unknowns, with that part of it known."""
+        x, rate = self.configuration(u), drive_rate.copy()
         loads = rate if self.grips is None else np.zeros_like(rate)
         for kernel in self.kernels:
             if kernel.scaled:

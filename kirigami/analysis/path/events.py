@@ -284,7 +284,7 @@ def critical_pair(system: System, tangent: Tangent) -> tuple[float, Array]:
         from scipy.sparse import eye
 
         # So near to zero that it takes a shift to solve at all.
-        matrix = system.matrix(tangent.blocks)
+        matrix = tangent.factor.matrix
         shift = 1e-9 * float(np.abs(matrix.diagonal()).mean())
         factor = factorize((matrix + shift * eye(system.free)).tocsc())
         value, vector = inverse_iteration(factor, system.free, 30, SETTLED)
@@ -397,7 +397,7 @@ def _pushed_aside(run: PathRun, low: Point, high: Point) -> bool:
     so c follows without lam_c.
     """
     value, mode = critical_pair(run.system, low.tangent)
-    there = float(mode @ (run.system.matrix(high.tangent.blocks) @ mode))
+    there = float(mode @ (high.tangent.factor.matrix @ mode))
     if not 0 < value or not there < value:
         return False
     aside = abs(float(mode @ low.tangent.rate)) * value / (value - there) * abs(high.state.lam - low.state.lam)

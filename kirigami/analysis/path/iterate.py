@@ -66,7 +66,8 @@ class Iterate:
             self.ahead = None
         self._taken = None  # let go before the next is made: factors are the largest things in memory
         blocks = self.blocks()
-        self._taken = Stiffness(blocks, self.factorize(blocks), self.u, self.ahead)
+        driven = self.system.drive_rate(self.lam, blocks)
+        self._taken = Stiffness(driven, self.factorize(blocks), self.u, self.ahead)
         return self._taken.factor
 
     def stiffness(self) -> Stiffness:
@@ -77,14 +78,15 @@ class Iterate:
             return last
         self.ahead = None
         blocks = self.blocks()
+        driven = self.system.drive_rate(self.lam, blocks)
         near = None
         if last is not None and moved < CLOSE and self.system.conservative:
             near = nearby_factor(self.system.matrix(blocks), last.factor)
         if last is not None and near is not None:
-            self._taken = Stiffness(blocks, near, last.u, last.ahead)
+            self._taken = Stiffness(driven, near, last.u, last.ahead)
         else:
             last = self._taken = None
-            self._taken = Stiffness(blocks, self.factorize(blocks), self.u)
+            self._taken = Stiffness(driven, self.factorize(blocks), self.u)
         return self._taken
 
     def let_go(self) -> None:

@@ -20,13 +20,14 @@ class State:
 
 @dataclass
 class Stiffness:
-    """Exact stiffness at an equilibrium: node blocks, and a factor that answers for them.
+    """Exact stiffness at an equilibrium: a factor that answers for its matrix, and how driven displacements change the
+    forces (n, dim) with the load factor.
 
     `u` are the displacements (n, dim) that the factor was made at, there or close by, and `ahead` the linear step whose
-    stress it took, if any.
+    stress it took, if any. Node blocks are not kept: beside factors they are the largest things in memory.
     """
 
-    blocks: Array
+    drive_rate: Array
     factor: Factor
     u: Array
     ahead: Ahead = None
@@ -52,9 +53,8 @@ class Attempt:
 
 @dataclass
 class Tangent:
-    """Exact tangent at an equilibrium: node blocks, factor, and -K^-1 dr/dlam (free,)."""
+    """Exact tangent at an equilibrium: factor, which knows the matrix, and -K^-1 dr/dlam (free,)."""
 
-    blocks: Array
     factor: Factor
     rate: Array
 

@@ -147,7 +147,9 @@ class PathRun(Run):
             if attempt.stiffness is None:
                 with np.errstate(all="ignore"):  # a member without length is told of where the step is stored
                     blocks = system.stiffness_blocks(state.u, state.lam)
-                attempt.stiffness = Stiffness(blocks, self.factorize_blocks(blocks), state.u)
+                driven, matrix = system.drive_rate(state.lam, blocks), system.matrix(blocks)
+                del blocks
+                attempt.stiffness = Stiffness(driven, self.factorize(matrix), state.u)
             return self.tangent(state, attempt.stiffness)
         except SingularMatrixError as error:
             attempt.reason = str(error)
@@ -157,9 +159,9 @@ class PathRun(Run):
         """The tangent at an equilibrium, from its stiffness."""
         system = self.system
         with system.clock("solve"), np.errstate(all="ignore"):
-            towards = system.load_rate(state.u, state.lam, stiffness.blocks)
+            towards = system.load_rate_beside(stiffness.drive_rate, state.u, state.lam)
             rate = -solve(system, stiffness.factor, state.q, state.lam, towards)
-        return Tangent(stiffness.blocks, stiffness.factor, rate)
+        return Tangent(stiffness.factor, rate)
 
     def factorize_blocks(self, blocks: Array) -> Factor:
         """Factor of the reduced matrix of assembled blocks."""

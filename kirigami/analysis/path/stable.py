@@ -108,8 +108,7 @@ class StableSteps(Steps):
         The stiffness changes in proportion to the load factor as long as members hardly turn; where its determinant
         vanishes, the pencil of the stiffness there and here tells.
         """
-        matrix = self.run.system.matrix(tangent.blocks)
-        lowest, _ = lowest_of_pencil(matrix, before.tangent.factor)
+        lowest, _ = lowest_of_pencil(tangent.factor.matrix, before.tangent.factor)
         return float(np.clip(1.0 / (1.0 - lowest), 0.0, UP_TO_LOSS))
 
     def _bracket(self, before: Point, increment: float, least: float) -> float:

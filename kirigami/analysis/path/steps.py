@@ -58,7 +58,7 @@ class Steps:
         if self.nearby:
             blocks = system.stiffness_blocks(state.u, state.lam)
             factor = NearbyFactor(system.matrix(blocks), factor)
-        return Stiffness(blocks, factor, self.taken_at, ahead)
+        return Stiffness(system.drive_rate(state.lam, blocks), factor, self.taken_at, ahead)
 
     def cut(self, before: Point, attempt: Attempt, increment: float) -> float:
         """A shorter increment after an attempt that is not to be kept, or a ConvergenceError."""

@@ -142,10 +142,13 @@ class Walk(PathRun):
         system = self.system
         stay = LoadFactorControl()
         stay.begin(state, 0.0)
-        tangent_there = self.first_factor(state.u, state.lam)
+        blocks, factor = self.first_factor(state.u, state.lam)
+        tangent_there = Stiffness(system.drive_rate(state.lam, blocks), factor, state.u)
+        del blocks, factor
         attempt = self.correct(stay, state)
         if attempt.iterations == 0:
-            attempt.stiffness = Stiffness(*tangent_there, state.u)
+            attempt.stiffness = tangent_there
+        del tangent_there
         if not attempt.converged:
             attempt = self.descend(state)
         if not attempt.converged and self.settings.start is None:
