@@ -225,6 +225,14 @@ class BarKernel(NaturalKernel):
         own = own if self.drive is None else {**own, "targets": untouched(self.rest_length, self.drive)}
         return self.with_natural(own)
 
+    def part(self, members: NDArray[np.int64]) -> Kernel:
+        if type(self) is not BarKernel:
+            return self
+        one = dict.fromkeys(("conn", "EA", "rest_length", "drive", "members", "mass_per_length", "follows"), 0)
+        two = dict.fromkeys(("_natural", "_rest_vector"), 1)
+        part: BarKernel = self._cut_out(members, {**one, "_distance": 0, "_rest_strain": 0, **two})
+        return part
+
     def _scale(self) -> None:
         super()._scale()
         self.scaled |= self.drive is not None

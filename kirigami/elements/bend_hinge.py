@@ -218,6 +218,15 @@ class BendHingeKernel(AngleKernel):
         self._rest_vectors = _wing_vectors(rest, conn)
         self._begin(self.raw_angle(*self._rest_vectors), rest_angle, targets)
 
+    def part(self, members: NDArray[np.int64]) -> Kernel:
+        if type(self) is not BendHingeKernel:
+            return self
+        own = ("conn", "stiffness", "rest_angle", "drive", "members", "follows", "_initial", "_committed")
+        part: BendHingeKernel = self._cut_out(members, dict.fromkeys(own, 0))
+        edge, wing_i, wing_l = (np.take(vectors, members, 1) for vectors in self._rest_vectors)
+        part._rest_vectors = edge, wing_i, wing_l
+        return part
+
     def vectors(self, x: Array) -> tuple[Array, Array, Array]:
         """Current edge and wing vectors, each (3, n)."""
         edge, wing_i, wing_l = _wing_vectors(displacement_of(x, self.rest), self.conn)

@@ -30,7 +30,7 @@ from kirigami.elements.shell_geometry import (
 from kirigami.elements.shell_membrane import Membrane
 from kirigami.elements.shell_rates import Look, Seen, looks
 from kirigami.elements.shell_rest import across, angle_scale, initial_directors, repeated
-from kirigami.primitives.kernel import EXACT, Array, CompiledKernel, Contribution, Tangent, displacement_of
+from kirigami.primitives.kernel import EXACT, Array, CompiledKernel, Contribution, Kernel, Tangent, displacement_of
 
 CHUNK = 512  # facets whose Hessians are made at a time, so that they stay in the processor's cache
 SHARE = np.eye(3) + 1 / 3  # its square is 1 + the unit matrix: the mass of the barycentric coordinates
@@ -42,6 +42,13 @@ CONSISTENT[3:6, 3:6] = (4 + 4 * np.eye(3)) / 45
 CONSISTENT[:3, 3:6] = [[2 / 15, 1 / 15, 2 / 15], [2 / 15, 2 / 15, 1 / 15], [1 / 15, 2 / 15, 2 / 15]]
 CONSISTENT[3:6, :3] = CONSISTENT[:3, 3:6].T
 LUMPED = np.diag([1 / 3] * 3 + [0.0] * 6)
+
+# Where the members are in what the kernel keeps of each.
+AXES = {
+    **dict.fromkeys(("conn", "section", "forward", "members", "planes", "density"), 0),
+    **dict.fromkeys(("_natural", "_heat", "_angle_scale", "_stored", "_edge", "_rest_angles", "_rest_curvatures"), 1),
+    "_rest_vectors": 2,
+}
 
 
 class ShellFacetKernel(NaturalKernel):
@@ -174,6 +181,15 @@ class ShellFacetKernel(NaturalKernel):
         from kirigami.elements.compiled_shell import CompiledShell
 
         return CompiledShell(self)
+
+    def part(self, members: NDArray[np.int64]) -> Kernel:
+        if type(self) is not ShellFacetKernel:
+            return self
+        part: ShellFacetKernel = self._cut_out(members, AXES)
+        part.chart = Chart(part._rest_vectors)
+        part._membrane, part._bending = Membrane(part._rest_vectors, part.chart), Bending(part.chart)
+        part._seen = ()
+        return part
 
     # ---- directors: a gauge, moved along with the edges at every commit
 

@@ -7,6 +7,7 @@ kernels knows no element; whoever writes an element knows no solver.
 
 from __future__ import annotations
 
+import copy
 from dataclasses import dataclass
 from typing import Any, ClassVar, NamedTuple, Protocol
 
@@ -230,6 +231,19 @@ class Kernel:
     def compiled(self) -> CompiledKernel | None:
         """The kernel's compiled twin, or None where it has none; asked for where Numba is installed and pays."""
         return None
+
+    def part(self, members: NDArray[np.int64]) -> Kernel:
+        """The kernel of some `members` (k,) alone, with their present history, to be evaluated beside others of its
+        place; the whole kernel where it is not taken apart."""
+        return self
+
+    def _cut_out(self, members: NDArray[np.int64], axes: dict[str, int]) -> Any:
+        """A copy with `members` (k,) alone in each of its arrays, by their axis of members."""
+        part = copy.copy(self)
+        for name, axis in axes.items():
+            values = getattr(self, name)
+            setattr(part, name, None if values is None else np.take(values, members, axis))
+        return part
 
     # ---- what it tells of its members
 

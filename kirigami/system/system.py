@@ -6,6 +6,7 @@ first), and the reduced matrix picks its entries there.
 
 from __future__ import annotations
 
+import copy
 from collections.abc import Sequence
 from typing import Any
 
@@ -319,6 +320,36 @@ class System(Lowered):
     def conservative(self) -> bool:
         """Whether all forces have a potential."""
         return all(kernel.conservative for kernel in self.kernels)
+
+    # ---- a part of it
+
+    @property
+    def comes_apart(self) -> bool:
+        """Whether some unknowns can be looked at by themselves: what grips lead and effects couple or forbid is not in
+        one place, and what remembers its way is not to go two."""
+        together = self._limiting or self._coupled or self.grips is not None
+        return not together and self.conservative and not any(kernel.path_dependent for kernel in self.kernels)
+
+    def part(self, unknowns: Index, u: Array) -> System:
+        """The system of some `unknowns` (k,) alone; all others stay where displacements `u` (n, dim) have them."""
+        part = copy.copy(self)
+        number = np.full(self.free + 1, -1)  # the last entry answers for known displacements, index -1
+        number[unknowns] = np.arange(len(unknowns))
+        part.unknown, part.free, part.heads = number[self.unknown], len(unknowns), self.heads[unknowns]
+        moving = np.asarray(part.unknown >= 0)
+        part.held, part.drive, part.begun = u.ravel().copy(), np.zeros_like(self.drive), 1.0
+        part.held[moving] -= u.ravel()[part.heads][part.unknown[moving]]
+        part.arcs, part._moved_apart = [], []
+        part.kernels, part.twins = [], []
+        rows = np.asarray(moving.reshape(self.rest.shape).any(axis=1))
+        for kernel, twin in zip(self.kernels, self.twins):
+            members = np.flatnonzero(rows[kernel.conn].any(axis=1))
+            if len(members):
+                own = kernel.part(members)
+                part.kernels.append(own)
+                part.twins.append(None if twin is None else twin if own is kernel else own.compiled())
+        part._blocks_plan, part._pick_plan, part._links = None, None, None
+        return part
 
     # ---- supports
 

@@ -12,22 +12,28 @@ With no negative pivot the iteration is Newton's, with the mixed stress and the 
 :mod:`kirigami.analysis.path.newton`, so nothing is lost on smooth parts of the path. After each factorisation a few
 more corrections use the same factor (chord steps) as long as the residual falls well: they cost a twentieth of it.
 An equilibrium found is tested with the exact tangent, and left along its softest mode if it is unstable.
+
+Most of what is set free is so in one place. There the iteration goes on by itself while all else stays, until it
+balances against the rest, and only then a factor of the whole is made (:mod:`kirigami.analysis.path.places`).
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from kirigami.analysis.path.iterate import Iterate
+from kirigami.analysis.path.places import place_of
 from kirigami.analysis.path.points import Attempt, State, Stiffness
-from kirigami.linalg import Factor, SingularMatrixError, inverse_iteration
+from kirigami.linalg import Factor, SingularMatrixError, inverse_iteration, make_solver
 from kirigami.primitives.kernel import Ahead, Array
 from kirigami.system.system import System
 
 FELL = "more energy is set free than by a bend of the path"
+BALANCED = 0.1  # residual of a place over that of all else at which it has settled
+IN_PLACE = 20  # most iterations of a place
 PUSH = 0.05  # turn of a member by which an unstable equilibrium is pushed off along its mode [rad]
 
 
@@ -54,6 +60,8 @@ class Strategy:
     cuts : int
         Shorter increments tried before the hard way: a descent after Newton's method, or one that moves only what is
         driven where the prediction turns members too far.
+    places : bool
+        Let the place where nearly all of the residual sits settle by itself before each iteration of the whole.
     least_growth, growth_after_snap : float
         Least factor from an increment to the next, and the factor where the descent led far off.
     """
@@ -68,12 +76,13 @@ class Strategy:
     chords: int = 4
     turn: float = 1.0
     cuts: int = 1
+    places: bool = False
     least_growth: float = 0.9
     growth_after_snap: float = 1.5
 
 
 CORRECTORS = {
-    "path": Strategy(chords=8),
+    "path": Strategy(chords=8, places=True),
     "slow": Strategy(),
     "newton": Strategy(
         newton_first=True,
@@ -122,7 +131,7 @@ class _Descent(Iterate):
         tol: float,
         strategy: Strategy,
         ahead: Ahead,
-        floor: float,
+        floor: float = -np.inf,
     ) -> None:
         super().__init__(system, factorize, start, tol, ahead)
         self.strategy, self.floor = strategy, floor
@@ -158,10 +167,43 @@ class _Descent(Iterate):
     def _iterate(self) -> None:
         """One step with a positive definite tangent, and chord steps after it."""
         strategy = self.strategy
+        if strategy.places and self.system.comes_apart:
+            self._settle_place()
+            if self.relative <= self.tol:
+                return
         factor = self._positive_factor()
         self.correct(factor)
         self.chords(factor, strategy.chords)
         self.amount = self.amount / strategy.decay if self.amount > 0.25 * strategy.least else 0.0
+
+    def _settle_place(self) -> None:
+        """Let the place where nearly all of the residual sits settle while all else stays, if it does so downhill."""
+        system = self.system
+        place = place_of(system, self.residual)
+        if place is None:
+            return
+        part, solver = system.part(place, self.u), make_solver()
+        start = State(self.q[place], self.lam, self.u)
+        alone = replace(self.strategy, places=False)
+        at = _Descent(part, lambda blocks: solver.factorize(part.matrix(blocks)), start, self.tol, alone, self.ahead)
+        outside = np.delete(self.residual, place)
+        enough, potential = BALANCED * float(np.linalg.norm(outside)), at._potential()
+
+        def settled() -> bool:
+            return at.relative <= at.tol or bool(np.linalg.norm(at.residual) <= enough)
+
+        try:
+            for _ in range(IN_PLACE):
+                if settled() or not np.isfinite(at.relative):
+                    break
+                at._iterate()
+        except SingularMatrixError:
+            return
+        if settled() and at._potential() <= potential:
+            q = self.q.copy()
+            q[place] = at.q
+            self.q, self.u, self.ahead = q, system.displacement(q, self.lam), at.ahead
+            self.balance()
 
     def _potential(self) -> float:
         with np.errstate(all="ignore"):
