@@ -167,7 +167,7 @@ class _Descent(Iterate):
     def _iterate(self) -> None:
         """One step with a positive definite tangent, and chord steps after it."""
         strategy = self.strategy
-        if strategy.places and self.system.comes_apart:
+        if strategy.places and self.left is None and self.system.comes_apart:  # a place would go back to a saddle
             self._settle_place()
             if self.relative <= self.tol:
                 return
