@@ -35,6 +35,7 @@ FELL = "more energy is set free than by a bend of the path"
 BALANCED = 0.1  # residual of a place over that of all else at which it has settled
 IN_PLACE = 20  # most iterations of a place
 PUSH = 0.05  # turn of a member by which an unstable equilibrium is pushed off along its mode [rad]
+SHORTER = 0.25  # ... the next time over this time: two stable ones may lie so close that forces hardly tell them apart
 
 
 @dataclass(frozen=True)
@@ -135,7 +136,7 @@ class _Descent(Iterate):
     ) -> None:
         super().__init__(system, factorize, start, tol, ahead)
         self.strategy, self.floor = strategy, floor
-        self.amount = 0.0
+        self.amount, self.pushes = 0.0, 0
         self.left: tuple[State, Stiffness] | None = None
         self._unit: Array | None = None
 
@@ -239,7 +240,8 @@ class _Descent(Iterate):
         """A small move along the mode nearest to neutral, by inverse iteration; its largest entry is positive."""
         _, mode = inverse_iteration(factor, self.system.free, 8)
         mode *= np.sign(mode[np.argmax(np.abs(mode))])
-        mode *= PUSH / self.system.largest_rotation(self.change(mode))
+        mode *= PUSH * SHORTER**self.pushes / self.system.largest_rotation(self.change(mode))
+        self.pushes += 1
         return self.system.admissible(self.u, self.u + self.change(mode)) * mode
 
     def _attempt(self, iteration: int, reason: str = "") -> Attempt:
