@@ -1,4 +1,4 @@
-"""One place of a structure by itself: the same there as in the whole, and it settles first without landing elsewhere."""
+"""One place of a structure by itself: it is the same as in the whole, and settles first without landing elsewhere."""
 
 from __future__ import annotations
 

@@ -183,7 +183,7 @@ class _Descent(Iterate):
         place = place_of(system, self.residual)
         if place is None:
             return
-        part, solver = system.part(place, self.u), make_solver()
+        part, solver = system.part(place, self.u), make_solver("superlu")  # no plan to make
         start = State(self.q[place], self.lam, self.u)
         alone = replace(self.strategy, places=False)
         at = _Descent(part, lambda blocks: solver.factorize(part.matrix(blocks)), start, self.tol, alone, self.ahead)
