@@ -158,7 +158,7 @@ class Chain:
                 if by_edge is None:
                     by_edge = hinge_stiffness(mesh, height, made.of_facets("E"), made.of_facets("c"))
                 inner = np.flatnonzero(mesh.edge_facets[:, 1] >= 0)
-                edges = getattr(kernel, "mesh_edges", inner)
+                edges = inner if kernel.mesh_edges is None else kernel.mesh_edges
                 found[number, "stiffness"] = by_edge[edges][members]
         return found
 

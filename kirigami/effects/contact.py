@@ -127,7 +127,7 @@ class Contact(ModelObject):
         members = np.repeat(np.arange(len(objects)), counts)
         conn = numbering.index(node for item in objects for node in item.group)[:, None]
         point, normal, projector, radius = (
-            np.array(values)[members] for values in zip(*(_shape(item.surface, numbering.dim) for item in objects))
+            np.array(values)[members] for values in zip(*(item.surface._shape_in(numbering.dim) for item in objects))
         )
         offset = np.array([item.offset for item in objects])[members]
         stiffness, layer = _scales(objects, conn[:, 0], members, numbering)
@@ -143,7 +143,7 @@ class Contact(ModelObject):
                 f"{numbering.describe(int(conn[worst, 0]))} by {-gap[worst]:.6g} below "
                 f"{objects[int(members[worst])].surface} and its offset: move the surface away"
             )
-        moves = np.array([isinstance(item.surface, Moving) for item in objects])[members]
+        moves = np.array([item.surface.moves for item in objects])[members]
         rubbing = np.array([item.friction for item in objects])[members]
         found: list[Kernel] = [kernel]
         if moves.any():
@@ -178,24 +178,6 @@ class Contact(ModelObject):
 def _of(kernel: ContactKernel, which: NDArray[np.bool_]) -> dict[str, Any]:
     """Constructor arguments of some of the members of a kernel."""
     return {name: value[which] for name, value in kernel.arrays().items()}
-
-
-def _shape(surface: Plane | Cylinder | Sphere | Moving, dim: int) -> tuple[Array, Array, Array, float]:
-    """Point (dim,), normal (dim,) or zeros, projector on what counts for the distance (dim, dim), radius."""
-    if isinstance(surface, Moving):
-        return _shape(surface.surface, dim)
-    axis = np.zeros(3)
-    normal, radius = np.zeros(3), 0.0
-    if isinstance(surface, Plane):
-        normal = np.array(surface.normal)
-    else:
-        radius = surface.radius
-        axis = np.array(surface.axis) if isinstance(surface, Cylinder) else axis
-    if dim == 2 and (normal[2] != 0 or np.any(axis[:2])):
-        raise ModelError(f"Contact: {surface} is no line or circle in the plane of a model with dim=2")
-    point = np.array(surface.center if isinstance(surface, Sphere) else surface.point)
-    projector = np.zeros((3, 3)) if isinstance(surface, Plane) else np.eye(3) - np.outer(axis, axis)
-    return point[:dim], normal[:dim], projector[:dim, :dim], radius
 
 
 def _scales(

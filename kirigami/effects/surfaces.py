@@ -23,8 +23,26 @@ def _direction(value: ArrayLike, name: str, owner: str) -> tuple[float, float, f
     return x, y, z
 
 
+class Surface:
+    """Base of rigid surfaces: what contact knows of them."""
+
+    moves = False  # whether it does, with the load factor
+
+    def _shape(self) -> tuple[Array, Array, Array, float]:
+        """Point (3,), normal (3,) or zeros, projector on what counts for the distance (3, 3), radius."""
+        raise NotImplementedError
+
+    def _shape_in(self, dim: int) -> tuple[Array, Array, Array, float]:
+        """The same in a model with so many axes, where it must be a line or circle if there are two."""
+        point, normal, projector, radius = self._shape()
+        even = np.diag([projector[0, 0], projector[0, 0], projector[2, 2]])
+        if dim == 2 and (normal[2] != 0 or np.any(projector != even)):
+            raise ModelError(f"Contact: {self} is no line or circle in the plane of a model with dim=2")
+        return point[:dim], normal[:dim], projector[:dim, :dim], radius
+
+
 @dataclass(frozen=True, init=False)
-class Plane:
+class Plane(Surface):
     """A rigid plane; bodies stay on the side of its normal.
 
     Parameters
@@ -53,9 +71,13 @@ class Plane:
         object.__setattr__(self, "point", vector_of(point, "point", "Plane"))
         object.__setattr__(self, "normal", _direction(normal, "normal", "Plane"))
 
+    def _shape(self) -> tuple[Array, Array, Array, float]:
+        """Point, normal, zeros, zero."""
+        return np.array(self.point), np.array(self.normal), np.zeros((3, 3)), 0.0
+
 
 @dataclass(frozen=True, init=False)
-class Cylinder:
+class Cylinder(Surface):
     """A rigid cylinder without ends; bodies stay outside.
 
     Parameters
@@ -88,9 +110,13 @@ class Cylinder:
         object.__setattr__(self, "axis", _direction(axis, "axis", "Cylinder"))
         object.__setattr__(self, "radius", require_positive(radius, "radius", "Cylinder"))
 
+    def _shape(self) -> tuple[Array, Array, Array, float]:
+        """Point of the axis, zeros, projector across the axis, radius."""
+        return np.array(self.point), np.zeros(3), np.eye(3) - np.outer(self.axis, self.axis), self.radius
+
 
 @dataclass(frozen=True, init=False)
-class Sphere:
+class Sphere(Surface):
     """A rigid sphere, in a model with dim=2 a circle; bodies stay outside.
 
     Parameters
@@ -119,9 +145,13 @@ class Sphere:
         object.__setattr__(self, "center", vector_of(center, "center", "Sphere"))
         object.__setattr__(self, "radius", require_positive(radius, "radius", "Sphere"))
 
+    def _shape(self) -> tuple[Array, Array, Array, float]:
+        """Centre, zeros, the unit matrix, radius."""
+        return np.array(self.center), np.zeros(3), np.eye(3), self.radius
+
 
 @dataclass(frozen=True, init=False)
-class Moving:
+class Moving(Surface):
     """A rigid surface that is shifted and turned with the load factor, for :class:`Contact`.
 
     It needs no load beside it. Nodes that stick to it are carried along; those that slide are pulled by friction along
@@ -200,6 +230,12 @@ class Moving:
         put(self, "reached", None)
         if not np.any(self.shift) and not any(self.angle):
             raise ModelError(f"Moving: {surface} does not move: give a shift or an angle, or the surface itself")
+
+    moves = True
+
+    def _shape(self) -> tuple[Array, Array, Array, float]:
+        """That of the surface which moves, where it is at load factor 0."""
+        return self.surface._shape()
 
     def held(self, lam: float) -> Moving:
         """The same, standing where it is at load factor `lam`."""

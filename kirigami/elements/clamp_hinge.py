@@ -61,7 +61,6 @@ class HeldEdgeKernel(NaturalKernel):
     name = "clamps"
     anchored = True
     approximates = True
-    mesh_edges: Index | None = None  # of the mesh, where the constants are that of a mesh and not of the rest state
 
     def __init__(
         self,

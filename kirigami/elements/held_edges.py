@@ -126,7 +126,7 @@ def held_edge_kernels(holding: Sequence[Any], numbering: Numbering) -> list[Kern
 
 def _check_turn(item: Any, ends: Array) -> None:
     """Refuse to turn an edge where its direction could not go along: about itself, or right round."""
-    rotation = getattr(item, "rotation", None)
+    rotation = item.rotation
     if rotation is None or not rotation.any():
         return
     along = (ends[1] - ends[0]) @ rotation / (np.linalg.norm(ends[1] - ends[0]) * np.linalg.norm(rotation))

@@ -88,7 +88,7 @@ class CellBorder:
 
 def cell_border(numbering: Numbering) -> CellBorder | None:
     """The border of the periodic cell of a model, if it is one."""
-    found = [item for items in numbering.objects.values() for item in items if hasattr(item, "border")]
+    found = [item for items in numbering.objects.values() for item in items if item.border is not None]
     if len(found) > 1:
         raise ModelError("the model has two periodic cells: remove what was imposed before, by model.remove(...)")
     return found[0].border if found else None
@@ -130,6 +130,7 @@ class SeamHingeKernel(BendHingeKernel):
     """
 
     name = "seams"
+    across_border = True
 
     def __init__(self, rest: Array, *given: Any, facets: Index, **named: Any) -> None:
         super().__init__(rest, *given, **named)
@@ -143,4 +144,5 @@ class SeamFacetKernel(HeldEdgeKernel):
     """Folds at the border of a cell that are given back to its facets."""
 
     name = "seams"
+    across_border = True
     anchored = False

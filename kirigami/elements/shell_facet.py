@@ -133,7 +133,7 @@ class ShellFacet(ModelObject):
         density = np.array([(f.material.density or np.nan) * f.thickness for f in objects])
         planes = plane_normals(mirror_planes(numbering), edges.ends, edges.edge)
         seams = edges.seam_angles if len(edges.seams) else None
-        yields = any(getattr(facet.material, "yields", False) for facet in objects)
+        yields = any(facet.material.yields for facet in objects)
         if any(facet.material.hyperelastic for facet in objects):
             if yields:
                 raise ModelError(

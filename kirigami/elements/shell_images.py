@@ -73,7 +73,7 @@ class Images:
 
 def mirror_planes(numbering: Numbering) -> list[tuple[int, Index]]:
     """Axis of each mirror plane of a model, and the nodes in it."""
-    found = [item for items in numbering.objects.values() for item in items if getattr(item, "mirror", "")]
+    found = [item for items in numbering.objects.values() for item in items if item.mirror]
     return [(AXES.index(item.mirror), numbering.index(item.group)) for item in found]
 
 

@@ -36,7 +36,7 @@ def rubber_moduli(objects: Sequence[Any]) -> Array:
                     "leave section= out"
                 )
             found[position] = material.E * facet.thickness
-        elif getattr(material, "yields", False):
+        elif material.yields:
             raise ModelError(
                 f"ShellFacet on {facet.nodes}: a sheet cannot be rubber in one place and yield in another: give the "
                 "material that yields hardening=None"

@@ -58,7 +58,7 @@ def yield_constants(objects: Sequence[Any]) -> dict[str, Any]:
     curves, constants = [], np.empty((3, len(objects)))
     for position, facet in enumerate(objects):
         material = facet.material
-        yields = getattr(material, "yields", False)
+        yields = material.yields
         if yields and facet.section is not None:
             raise ModelError(
                 f"ShellFacet on {facet.nodes}: a facet with a section of its own stays elastic, since how its stress "

@@ -27,7 +27,7 @@ class EdgeYield:
         self._facets = [[f for f in pair if f >= 0] for pair in mesh.edge_facets.tolist()]
         self._length = mesh.edge_lengths.tolist()
         self._area = mesh.facet_areas.tolist()
-        self._curves: list[YieldCurve | None] = [getattr(each, "yield_curve", None) for each in self._materials]
+        self._curves: list[YieldCurve | None] = [each.yield_curve for each in self._materials]
         self._bent = cache(bent)
 
     def of_bar(self, edge: int, EA: float) -> dict[str, Any]:

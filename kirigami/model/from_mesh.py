@@ -63,7 +63,7 @@ def sheet_parts(
         return nodes, [*_facets(nodes, mesh, constants), *_creases(nodes, mesh, constants)], constants
     hinges = _fold_hinges(nodes, mesh, constants) if dim == 3 else []
     if rung == "facet":
-        if any(getattr(each, "yields", False) for each in constants.materials):
+        if any(each.yields for each in constants.materials):
             warnings.warn(
                 "flat facets stay elastic: results tell what is strained beyond the yield_stress of the material, but "
                 "nothing yields; use stiffness='shell', or bars and hinges as of 'plate', or hardening=None in the "
@@ -74,7 +74,7 @@ def sheet_parts(
         return nodes, [*_facets(nodes, mesh, constants), *hinges], constants
     E = constants.of_facets("E")
     EA = bar_stiffness(mesh, height, E, calibration.F_s).tolist()
-    curves = EdgeYield(mesh, constants) if any(getattr(each, "yields", False) for each in constants.materials) else None
+    curves = EdgeYield(mesh, constants) if any(each.yields for each in constants.materials) else None
     elements: list[ModelObject] = [
         Bar(nodes[j], nodes[k], value, **({} if curves is None else curves.of_bar(edge, value)))
         for edge, ((j, k), value) in enumerate(zip(mesh.edges.tolist(), EA))

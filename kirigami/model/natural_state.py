@@ -70,7 +70,7 @@ class NaturalState:
             self._tell_shells(facets, state, constant)
             return
         folds = self._folds(state) if state[:, 3:].any() else np.zeros((2, len(self.mesh.edges)))
-        if folds.any() and any(kernel.name == "seams" for kernel in self.numbering.kernels):
+        if folds.any() and any(kernel.across_border for kernel in self.numbering.kernels):
             raise ModelError(
                 f"{self.owner}: a curvature of its own does not go with a periodic cell of bars and hinges or of flat "
                 "facets, which fold at their border: take stiffness='shell'"

@@ -103,11 +103,11 @@ class Periodic(Constraint):
         rows = numbering.grips[id(item)]
         assert isinstance(rows, CellRows)
         others = [other for group in numbering.objects.values() for other in group]
-        if numbering.edges is None and any(getattr(other, "clamp", False) for other in others):
+        if numbering.edges is None and any(other.clamp for other in others):
             raise ModelError(
                 "a clamp does not go with a periodic cell of bars and hinges or of flat facets: take stiffness='shell'"
             )
-        if any(getattr(each, "yields", False) for each in numbering.sheet.materials) and numbering.edges is None:
+        if any(each.yields for each in numbering.sheet.materials) and numbering.edges is None:
             raise ModelError(
                 "PeriodicCell: hinges across the border of a cell do not yield: take stiffness='shell', or give the "
                 "material hardening=None"

@@ -159,7 +159,10 @@ class Kernel:
     path_dependent : bool
         True where ``history`` changes what members bear, as sliding or yield do, and is no mere count of turns: then
         an end state tells no gradients.
-
+    across_border : bool
+        True where the members bend across the border of a periodic cell.
+    mesh_edges : ndarray of int, shape (n,), or None
+        Edges of a mesh that the members take their constants from; None where these are all between two facets.
     begun : float
         Share that is there of what acts whatever the load factor, less than 1 while a start from rest grows into it.
 
@@ -191,6 +194,8 @@ class Kernel:
     surface: bool = False
     approximates: bool = False
     path_dependent: bool = False
+    across_border: bool = False
+    mesh_edges: NDArray[np.int64] | None = None
     compile_from: int = 5_000
     begun: float = 1.0
 

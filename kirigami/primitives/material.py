@@ -42,13 +42,23 @@ class SheetMaterial:
     """Base of the materials of a sheet.
 
     ``isotropic`` tells whether bars, hinges and flat facets can stand for it, ``hyperelastic`` whether its stress at
-    large strain is its own.
+    large strain is its own, ``yields`` whether elements that can shall yield, along its ``yield_curve``.
     """
 
     isotropic: bool = False
     density: float | None = None
     yield_stress: float | None = None
     hyperelastic: bool = False
+
+    @property
+    def yields(self) -> bool:
+        """Whether elements that can shall yield."""
+        return False
+
+    @property
+    def yield_curve(self) -> YieldCurve | None:
+        """Yield stress over plastic strain; None where nothing shall yield."""
+        return None
 
     def free_strain(self, height: float = 0.0) -> Array:
         """Strain (3,) per unit of heat at which a fibre bears nothing, at a height over the thickness, in the axes of
@@ -306,7 +316,7 @@ class Laminate(SheetMaterial):
                 raise ModelError(f"{owner} must be linear elastic, as the laws of laminates are, got {material!r}")
             thickness = require_positive(pair[1], "thickness", owner)
             material.checked_thickness(thickness, owner)
-            if getattr(material, "yields", False):
+            if material.yields:
                 raise ModelError(
                     f"{owner} has a yield stress, but the layers of a Laminate stay elastic: give it hardening=None, "
                     "or make the sheet of one Material"

@@ -20,6 +20,17 @@ KINDS = ("element", "constraint", "load", "effect")
 class ModelObject:
     """Base of everything a model holds beside its nodes. ``kind`` says on which list it goes.
 
+    Attributes
+    ----------
+    mirror : str
+        The axis across the plane of symmetry that it makes of its nodes; "" of everything else.
+    clamp : bool
+        Whether the sheet keeps its direction at its nodes.
+    rotation : ndarray, shape (3,), or None
+        Rotation vector at load factor 1 of what turns its nodes [rad].
+    border : CellBorder or None
+        The border of the periodic cell that it makes of the sheet.
+
     Examples
     --------
     A weight on a node, lowered to a kernel with all others of its kind:
@@ -52,6 +63,10 @@ class ModelObject:
 
     __slots__ = ()
     kind: ClassVar[str] = "element"  # "element", "constraint", "load" or "effect"
+    mirror: str = ""
+    clamp: bool = False
+    rotation: Any = None
+    border: Any = None
 
     @property
     def nodes(self) -> tuple[Node, ...]:

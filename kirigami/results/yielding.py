@@ -41,7 +41,7 @@ class YieldWatch:
         number, materials = constants.material_of_facets(len(mesh.triangles))
         by_elements = bool(self.kernels)
         known = [
-            np.inf if m.yield_stress is None or (by_elements and getattr(m, "yields", False)) else m.yield_stress
+            np.inf if m.yield_stress is None or (by_elements and m.yields) else m.yield_stress
             for m in materials
         ]
         return np.array(known, dtype=float)[number]

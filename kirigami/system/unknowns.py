@@ -54,7 +54,7 @@ class Unknowns:
                 raise ModelError(f"{item!r} constrains only z, but the model has dim=2")
             for axis in axes:
                 at, values = nodes * self.dim + AXES.index(axis), item.values[axis]
-                holds = (values == 0) & (not item.leaders and not hasattr(item, "rotation"))
+                holds = (values == 0) & (not item.leaders and item.rotation is None)
                 self._check_conflict(at, axis, item, owner, constraints, numbering, holds & still[at])
                 still[at[holds]] = True
                 owner[at] = position
@@ -70,14 +70,13 @@ class Unknowns:
                 (held if item.constant else drive)[known] = change
                 middles = known // self.dim
                 if item.clamp or item.mirror:
-                    rotation = item.rotation if hasattr(item, "rotation") else None
-                    angles = held_angles(numbering.edges, nodes, self.dim, rotation is not None)
-                    if rotation is not None:
-                        change = turned_angles(numbering.edges, angles, rotation, self.rest)
+                    angles = held_angles(numbering.edges, nodes, self.dim, item.rotation is not None)
+                    if item.rotation is not None:
+                        change = turned_angles(numbering.edges, angles, item.rotation, self.rest)
                         (held if item.constant else drive)[angles] = change
                     known = np.concatenate([known, angles])
                 owner[known], fixed[known] = position, True
-            if hasattr(item, "rotation") and not item.constant:
+            if item.rotation is not None and not item.constant:
                 self._turn(item, nodes, middles if numbering.edges is not None else nodes[:0], drive, position)
         fixed |= numbering.idle.ravel()
         if numbering.grips:
