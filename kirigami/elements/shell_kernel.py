@@ -188,7 +188,7 @@ class ShellFacetKernel(NaturalKernel):
         part: ShellFacetKernel = self._cut_out(members, AXES)
         part.chart = Chart(part._rest_vectors)
         part._membrane, part._bending = Membrane(part._rest_vectors, part.chart), Bending(part.chart)
-        part._seen = ()
+        part._seen = None
         return part
 
     # ---- directors: a gauge, moved along with the edges at every commit

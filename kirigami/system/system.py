@@ -7,7 +7,7 @@ first), and the reduced matrix picks its entries there.
 from __future__ import annotations
 
 import copy
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -79,6 +79,16 @@ class System(Lowered):
         self._blocks_plan: BlockPlan | None = None
         self._links: tuple[Index, Index, Array] | None = None
         self._pick_plan: PickPlan | None = None
+
+    @property
+    def memory(self) -> dict[str, Any]:
+        """What a run that was interrupted needs beside the history of kernels to go on to the last bit."""
+        return {} if self.couplings is None else {"couplings": self.couplings.pairs}
+
+    def remember(self, memory: Mapping[str, Any]) -> None:
+        """Take that over."""
+        if self.couplings is not None:
+            self.couplings.remember(memory.get("couplings", ()))
 
     # ---- evaluation
 

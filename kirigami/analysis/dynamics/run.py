@@ -246,16 +246,17 @@ class DynamicsRun(Run):
         """What must be stored to go on later as if nothing had been."""
         names = ("first_energy", "largest_kinetic", "off")
         own = {f"moment.{name}": value for name, value in vars(self.moment).items()}
-        own |= {} if self.system.couplings is None else {"couplings": self.system.couplings.pairs}
-        return {name: getattr(self, name) for name in names} | own | {"steps.size": self.steps.size}
+        own |= {name: getattr(self, name) for name in names}
+        return {**own, **self.system.memory, "steps.size": self.steps.size}
 
     def _resume(self, stored: Results, memory: dict[str, Any]) -> None:
         """Go back to where a checkpoint was written."""
+        self.system.remember(memory)
         for name, value in memory.items():
+            if name in self.system.memory:
+                continue
             if name.startswith("moment."):
                 setattr(self.moment, name.removeprefix("moment."), value)
-            elif name == "couplings" and self.system.couplings is not None:
-                self.system.couplings.remember(value)
             elif name == "steps.size":
                 self.steps.size = value
             else:

@@ -65,15 +65,15 @@ class Walk(PathRun):
     def memory(self) -> dict[str, Any]:
         """What must be stored to go on later as if nothing had been."""
         own = {f"steps.{name}": value for name, value in self.steps.memory.items()}
-        own |= {} if self.system.couplings is None else {"couplings": self.system.couplings.pairs}
-        return {"increments": copy.deepcopy(vars(self.increments)), **self.control.memory, **own}
+        return {
+            "increments": copy.deepcopy(vars(self.increments)), **self.control.memory, **own, **self.system.memory
+        }  # fmt: skip
 
     @memory.setter
     def memory(self, stored: dict[str, Any]) -> None:
         self.increments = Increments(1.0, 1.0, 1.0)
         vars(self.increments).update(stored["increments"])
-        if self.system.couplings is not None:
-            self.system.couplings.remember(stored.get("couplings", ()))
+        self.system.remember(stored)
         vars(self.control).update({name: stored[name] for name in self.control.memory})
         for name in [name for name in stored if name.startswith("steps.")]:
             setattr(self.steps, name.removeprefix("steps."), stored[name])
