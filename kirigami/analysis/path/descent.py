@@ -20,7 +20,7 @@ balances against the rest, and only then a factor of the whole is made (:mod:`ki
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -61,8 +61,6 @@ class Strategy:
     cuts : int
         Shorter increments tried before the hard way: a descent after Newton's method, or one that moves only what is
         driven where the prediction turns members too far.
-    places : bool
-        Let the place where nearly all of the residual sits settle by itself before each iteration of the whole.
     least_growth, growth_after_snap : float
         Least factor from an increment to the next, and the factor where the descent led far off.
     """
@@ -77,13 +75,12 @@ class Strategy:
     chords: int = 4
     turn: float = 1.0
     cuts: int = 1
-    places: bool = False
     least_growth: float = 0.9
     growth_after_snap: float = 1.5
 
 
 CORRECTORS = {
-    "path": Strategy(chords=8, places=True),
+    "path": Strategy(chords=8),
     "slow": Strategy(),
     "newton": Strategy(
         newton_first=True,
@@ -112,13 +109,15 @@ def descend(
     on_iteration: Callable[[], None] = lambda: None,
     ahead: Ahead = None,
     floor: float = -np.inf,
+    places: bool = False,
 ) -> Attempt:
     """Iterate downhill from `start`, at its load factor, to a stable equilibrium.
 
     `ahead` is the linear step that led to `start`: displacements and their change, see :class:`kirigami.Tangent`. Where
     the potential falls below `floor`, so will that of the equilibrium: the descent is given up, for the reason FELL.
+    With `places` the place where nearly all of the residual sits settles by itself before each iteration of the whole.
     """
-    return _Descent(system, factorize, start, tol, strategy, ahead, floor).run(max_iterations, on_iteration)
+    return _Descent(system, factorize, start, tol, strategy, ahead, floor, places).run(max_iterations, on_iteration)
 
 
 class _Descent(Iterate):
@@ -133,9 +132,11 @@ class _Descent(Iterate):
         strategy: Strategy,
         ahead: Ahead,
         floor: float = -np.inf,
+        places: bool = False,
     ) -> None:
         super().__init__(system, factorize, start, tol, ahead)
         self.strategy, self.floor = strategy, floor
+        self.places = places and system.comes_apart
         self.amount, self.pushes = 0.0, 0
         self.left: tuple[State, Stiffness] | None = None
         self._unit: Array | None = None
@@ -168,7 +169,7 @@ class _Descent(Iterate):
     def _iterate(self) -> None:
         """One step with a positive definite tangent, and chord steps after it."""
         strategy = self.strategy
-        if strategy.places and self.left is None and self.system.comes_apart:  # a place would go back to a saddle
+        if self.places and self.left is None:  # a place would go back to a saddle
             self._settle_place()
             if self.relative <= self.tol:
                 return
@@ -185,8 +186,8 @@ class _Descent(Iterate):
             return
         part, solver = system.part(place, self.u), make_solver("superlu")  # no plan to make
         start = State(self.q[place], self.lam, self.u)
-        alone = replace(self.strategy, places=False)
-        at = _Descent(part, lambda blocks: solver.factorize(part.matrix(blocks)), start, self.tol, alone, self.ahead)
+        made = lambda blocks: solver.factorize(part.matrix(blocks))  # noqa: E731
+        at = _Descent(part, made, start, self.tol, self.strategy, self.ahead)
         outside = np.delete(self.residual, place)
         enough, potential = BALANCED * float(np.linalg.norm(outside)), at._potential()
 

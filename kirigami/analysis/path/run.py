@@ -132,11 +132,14 @@ class PathRun(Run):
         tol, count = self.settings.tol, self.count_iteration
         return correct(self.system, self.factorize_blocks, control, state, tol, MAX_ITERATIONS, count, ahead)
 
-    def descend(self, state: State, ahead: Ahead = None, floor: float = -np.inf) -> Attempt:
+    def descend(
+        self, state: State, ahead: Ahead = None, floor: float = -np.inf, places: bool = False
+    ) -> Attempt:
         """Run downhill from a state, at its load factor, by the means of the corrector that was chosen; not below a
-        potential of `floor`."""
+        potential of `floor`, with `places` one by one first."""
         strategy, tol, count = CORRECTORS[self.settings.corrector], self.settings.tol, self.count_iteration
-        return descend(self.system, self.factorize_blocks, state, tol, MAX_RELAXATION, strategy, count, ahead, floor)
+        given = state, tol, MAX_RELAXATION, strategy, count, ahead, floor, places
+        return descend(self.system, self.factorize_blocks, *given)
 
     def tangent_at(self, attempt: Attempt) -> Tangent | None:
         """The exact tangent at a converged state; None where the attempt failed or the tangent is singular."""

@@ -186,7 +186,7 @@ class StableSteps(Steps):
             linear = before.state.u, start.u - before.state.u
         if (blocked := run.blocked(before, start)) is not None:
             return blocked
-        landed = run.descend(start, linear, floor)
+        landed = run.descend(start, linear, floor, places=self.buckled)  # a flat sheet takes its side as a whole
         landed.iterations += 1
         landed.drift = system.largest_rotation(landed.state.u - guess.u)
         landed.relaxed = True
