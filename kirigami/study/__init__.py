@@ -11,7 +11,8 @@ from kirigami.study.job import Job
 from kirigami.study.measured import Comparison, Measured, compare, read_measured
 from kirigami.study.mesh_choice import MeshChoice, MeshRun, choose_mesh
 from kirigami.study.places import Place, place
-from kirigami.study.report import Report, stretch_drawing, write_report
+from kirigami.study.report import Report, write_report
+from kirigami.study.run_job import stretch_drawing
 from kirigami.study.shape.links import Branch, Link
 from kirigami.study.shape.shapes import shapes
 from kirigami.study.shape.study import Shape, ShapeStudy

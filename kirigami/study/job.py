@@ -145,7 +145,7 @@ class Job:
         say : callable
             Called with each note as soon as it is known.
         """
-        from kirigami.study.report import run_job
+        from kirigami.study.run_job import run_job
 
         return run_job(self, progress, say)
 

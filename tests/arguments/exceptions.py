@@ -35,7 +35,7 @@ NOT_CALLED: dict[str, str] = {
         System.displacement System.forces System.imbalance System.l* System.begin System.go_on_from
         System.admissible System.multiply System.matrix System.motion System.small_displacement
         System.plan_with System.potential_rate System.re*
-        System.start_stage System.stiffness_blocks System.unknowns System.drive_* System.known*
+        System.start_stage System.stiffness_blocks System.unknowns System.drive_* System.part System.known*
         System.factored System.straighten Design.derivatives""".split(),
         STEPS,
     ),

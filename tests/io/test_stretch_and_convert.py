@@ -14,7 +14,8 @@ from kirigami import units
 from kirigami.drawing.convert import read_drawing, write_drawing
 from kirigami.drawing.drawing import Drawing
 from kirigami.io.convert import export, info, mesh_drawing, write_mesh
-from kirigami.study.report import stretch_drawing, write_report
+from kirigami.study.report import write_report
+from kirigami.study.run_job import stretch_drawing
 
 DRAWINGS = Path(__file__).parents[1] / "data" / "drawings"
 

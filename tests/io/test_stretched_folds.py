@@ -11,7 +11,7 @@ import shapely
 
 import kirigami as kg
 from kirigami import cli
-from kirigami.study.report import stretch_drawing
+from kirigami.study.run_job import stretch_drawing
 
 SHEET = shapely.box(0, 0, 0.05, 0.1)
 LINES = [[(0, y), (0.05, y)] for y in (0.025, 0.05, 0.075)]
