@@ -68,4 +68,4 @@ $(VENV)/docs-installed: $(VENV)/installed
 	touch $@
 
 clean:
-	rm -rf $(VENV) demo gallery build dist *.egg-info notebooks docs/_build docs/generated docs/tutorials docs/api.md docs/changelog.md
+	rm -rf $(VENV) demo gallery build dist *.egg-info notebooks docs/_build docs/generated docs/tutorials docs/api.md docs/changelog.md docs/tutorials.md docs/gallery.md

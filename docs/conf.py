@@ -22,9 +22,21 @@ from kirigami.cli import main  # noqa: E402
 # Pages are written to be read where they lie. What the site has in another form is made here: tutorials are scripts,
 # shown as notebooks that are run while it is built; each name of the reference has a page of its own.
 notebooks.convert(HERE / "tutorials")
+def of_the_house(path: str, *links: tuple[str, str]) -> str:
+    """A page that lies elsewhere in the repository, with its links as from here."""
+    text = (HERE.parent / path).read_text(encoding="utf-8")
+    for pattern, there in links:
+        text = re.sub(pattern, there, text)
+    return text
+
+
 MADE = {
     "api.md": reference.as_directives((HERE / "reference.md").read_text(encoding="utf-8")),
-    "changelog.md": (HERE.parent / "CHANGELOG.md").read_text(encoding="utf-8"),
+    "changelog.md": of_the_house("CHANGELOG.md"),
+    "tutorials.md": of_the_house("tutorials/README.md", (r"\]\((\d\d_\w+)\.py\)", r"](tutorials/\1)")),
+    "gallery.md": of_the_house(
+        "examples/README.md", (r"\]\((\w+\.py)\)", r"](../examples/\1)"), (r"\]\(\.\./docs/", "](")
+    ),
 }
 for page, text in MADE.items():
     if not (HERE / page).exists() or (HERE / page).read_text(encoding="utf-8") != text:
@@ -110,8 +122,8 @@ def attributes_one_by_one(app: Any, what: str, name: str, item: Any, options: An
 
 
 # What the site has beyond the files, which are to be read where they lie and hold no directives.
-PAGES = """tutorials overview scope drawings command_line maker_session formulas shell yield motion self_contact cells
-    design speed validation api developer licences changelog""".split()
+PAGES = """tutorials gallery overview scope drawings command_line maker_session formulas shell yield motion
+    self_contact cells design speed validation api developer licences changelog""".split()
 TREES = {
     "index": "\n".join(["```{toctree}", ":hidden:", "", *PAGES, "```"]),
     "tutorials": "\n".join(["```{toctree}", ":glob:", ":hidden:", ":titlesonly:", "", "tutorials/*", "```"]),
@@ -143,6 +155,7 @@ def names_linked(text: str) -> str:
 LINKS = [
     (r"\]\(\.\./tutorials/(\w+)\.py\)", r"](tutorials/\1)"),
     (r"\]\(\.\./tutorials/README\.md\)", "](tutorials.md)"),
+    (r"\]\(\.\./examples/README\.md\)", "](gallery.md)"),
     (r"\]\(\.\./CHANGELOG\.md\)", "](changelog.md)"),
     (r"\]\(\.\./docs/", "](../"),  # from tutorials
     (r"\]\((\.\./)?reference\.md", r"](\1api.md"),
