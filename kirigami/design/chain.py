@@ -8,7 +8,6 @@ a parameter in more than what the nodes do, nothing is said here, and the struct
 
 from __future__ import annotations
 
-import copy
 import warnings
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
@@ -18,6 +17,7 @@ import numpy as np
 from kirigami.elements.shell_facet import turned_sections
 from kirigami.elements.stiffness import Calibration, SheetConstants, bar_stiffness, hinge_stiffness
 from kirigami.errors import KirigamiWarning
+from kirigami.model.moved import moved, nodes_of
 from kirigami.model.properties import facet_properties
 from kirigami.primitives.kernel import Array
 from kirigami.primitives.material import SheetMaterial
@@ -69,22 +69,14 @@ class Chain:
 
     def _supports_stay(self, values: dict[str, float]) -> bool:
         """Whether supports() adds the same as it does here to the sheet at other values of parameters."""
-        mesh, model = self.design._with(values).mesh, copy.copy(self._system.model)
+        mesh, here = self.design._with(values).mesh, self._system.model
+        model = moved(here, mesh.nodes, mesh)
         before = model.objects[len(model.elements) :]
         model.remove(*before)
-        model._mesh = mesh
-        model._rest = [(x, y, z) for x, y, z in mesh.nodes.tolist()]
-        places = [node._position for node in model.nodes]
-        try:
-            for node, place in zip(model.nodes, model._rest):
-                node._position = place
-            with warnings.catch_warnings():
-                warnings.simplefilter("ignore", KirigamiWarning)
-                self.design.supports(model)
-        finally:
-            for node, place in zip(model.nodes, places):
-                node._position = place
-        return len(model.nodes) == len(places) and _alike(model.objects[self._sheet :], before)
+        with nodes_of(model), warnings.catch_warnings():
+            warnings.simplefilter("ignore", KirigamiWarning)
+            self.design.supports(model)
+        return len(model.nodes) == len(here.nodes) and _alike(model.objects[self._sheet :], before)
 
     @property
     def _sheet(self) -> int:

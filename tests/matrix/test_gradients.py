@@ -10,13 +10,14 @@ import shapely
 from structures import BUILT, RUNGS, STRUCTURES, results
 
 import kirigami as kg
+from kirigami.model.moved import moved as moved_model
 from kirigami.primitives.sensitivity import member_work, rebuilt
 from kirigami.results.fields import facet_strain
 from kirigami.results.gradients import fields
 from kirigami.results.gradients.by_rest import by_rest_state
 from kirigami.results.gradients.critical import CriticalPoint
 from kirigami.results.gradients.equilibrium import Equilibrium, prepared
-from kirigami.results.gradients.fields import _kernels, _moduli, _with_sheet, shifted
+from kirigami.results.gradients.fields import _kernels, _moduli, _with_sheet
 from kirigami.results.gradients.functionals import tell_of
 from kirigami.results.gradients.gradient import equilibrium, stiffness_pair
 from kirigami.system.system import System
@@ -104,7 +105,7 @@ def test_by_places_of_nodes(name):
         moved = level if called(functional) == "height" else along
         left = left_over(
             name, functional, float((rate * moved).sum()),
-            lambda s, moved=moved: prepared(shifted(res.model, s * moved), res[-1].history),
+            lambda s, moved=moved: prepared(moved_model(res.model, res.model.positions() + s * moved), res[-1].history),
         )  # fmt: skip
         assert_second_order(left, rounding_of(functional))
 
@@ -288,7 +289,7 @@ def test_critical_load_factors(make):
     along[1] = (0.02, 0.05, 0) if make is shallow else (0, 0.05, 0)
     left = []
     for share in STEPS:
-        moved = CriticalPoint(prepared(shifted(m, share * along), event.located.history), event).lam
+        moved = CriticalPoint(prepared(moved_model(m, m.positions() + share * along), event.located.history), event).lam
         left.append(abs(moved - start - share * float((rate * along).sum())) / start)
     assert_second_order(np.array(left), 1e-8)
     if make is shallow:  # all forces are in proportion to EA

@@ -6,7 +6,6 @@ changed at once, so far from each other that no member feels two of them, and a 
 
 from __future__ import annotations
 
-import copy
 import dataclasses
 import warnings
 from collections.abc import Callable, Sequence
@@ -20,6 +19,7 @@ from kirigami.errors import AnalysisError, KirigamiWarning, ModelError
 from kirigami.model.from_mesh import sheet_parts
 from kirigami.model.loads import NodalLoadKernel
 from kirigami.model.model import Model
+from kirigami.model.moved import moved
 from kirigami.model.natural_state import in_facets
 from kirigami.primitives.kernel import Array, Kernel
 from kirigami.primitives.material import Laminate, Material
@@ -339,18 +339,11 @@ def _distances(system: System, links: Any) -> Array:
     return np.asarray(apart_by[apart_by > 0])
 
 
-def shifted(model: Model, offset: Array) -> Model:
-    """A copy of a model with its rest state moved; it shares nodes and objects."""
-    twin = copy.copy(model)
-    twin._rest = [(x, y, z) for x, y, z in (model.positions() + offset).tolist()]
-    twin._edited()
-    return twin
-
-
 def _moved_work(adjoints: Sequence[Adjoint], offset: Array) -> list[tuple[list[Array], Array]]:
     """For each functional: the work of every member with the rest state moved, and what positions alone make of it."""
     at = adjoints[0].at
-    system = System(shifted(at.system.model, offset))
+    model = at.system.model
+    system = System(moved(model, model.positions() + offset))
     _same(at.system.kernels, system.kernels)
     _remember(at.system.kernels, system.kernels)
     u = system.displacement(at.q, at.lam)
