@@ -12,7 +12,11 @@ Three parts, each estimated from the stored states alone:
   deformation; to first order the force and J are off by the difference. Shell facets obey the theory.
 * *the tolerance's*: the unbalanced force over the reactions.
 
-The first two are multiplied by `SAFETY`, calibrated by benchmarks/error_bar.py. What no estimate sees is said
+Strains of bars jump from facet to facet in the pattern of the mesh, so that what the mesh seems to lose and what the
+rung seems to lack cancel for the most part. There the two are estimated as one: what plate theory gives to the smooth
+deformation, less what the elements store, or for J the work of both on the dual state.
+
+All but the tolerance is multiplied by `SAFETY`, calibrated by benchmarks/error_bar.py. What no estimate sees is said
 in words by :mod:`kirigami.results.doubts`.
 """
 
@@ -38,8 +42,10 @@ from kirigami.results.tangent import StoredTangent
 if TYPE_CHECKING:
     from kirigami.geometry.mesh import TriMesh
 
-SAFETY = 1.5  # times the estimate
+SAFETY = 1.5  # times the estimate of the force
 AREA_SAFETY, HEIGHT_SAFETY = 1.3, 1.75  # the same of the open area, and of the height, which bifurcations magnify
+BARS_SAFETY = 1.0  # the same of the force of bars and hinges
+BARS_AREA_SAFETY, BARS_HEIGHT_SAFETY = 1.3, 1.3
 CANCELLED = 0.3  # share of what cancels over the sheet that is counted all the same
 ENERGIES, DUALS = 10, 4  # steps that are looked at, and steps whose tangent is factored; the others lie between
 CORNER = np.radians(30.0)  # turn of the rim of a cut at a node from which on it is a corner of it
@@ -61,7 +67,8 @@ class ErrorBar(Mapping[str, Array]):
     total : dict of ndarray, each (s,)
         The error bar by quantity.
     mesh, rung : dict of ndarray, each (s,)
-        The parts of mesh and rung, with their safety; what they have of each other's opposite sign cancels in part.
+        The parts of mesh and rung, with their safety, each alone; what they have of each other's opposite sign cancels
+        in part.
     tolerance : ndarray, shape (s,)
         The part of the tolerance, of every quantity.
 
@@ -140,19 +147,19 @@ def estimated_error(results: Results) -> ErrorBar:
     meshes, rungs = {"force": of_mesh}, {"force": of_rung}
     scales = {"open_area": _largest_area(results, mesh), "height": _largest_height(results)}
     chosen = _some(len(results), DUALS)
-    found: dict[str, list[tuple[float, float]]] = {name: [] for name in quantities if scales[name] > 0}
+    found: dict[str, list[Array]] = {name: [] for name in quantities if scales[name] > 0}
     for number in chosen.tolist() if found and len(results) else ():
         step = results[number]
         for name, errors in zip(found, _of_goals(recovery, step, [quantities[name] for name in found])):
-            found[name].append((errors[0] / scales[name], errors[1] / scales[name]))
-    for name in quantities:
-        if name in found:
-            values = np.array(found[name]).reshape(-1, 2).T
-            meshes[name], rungs[name] = (_between(chosen, column, len(results), np.nan) for column in values)
-        else:
-            meshes[name] = rungs[name] = np.full(len(results), np.nan)
+            found[name].append(np.array(errors) / scales[name])
     tolerance = _unbalanced(results)
-    total = {"force": force + tolerance} | {name: meshes[name] + rungs[name] + tolerance for name in quantities}
+    total = {"force": force + tolerance}
+    for name in quantities:
+        both = meshes[name] = rungs[name] = np.full(len(results), np.nan)
+        if name in found:
+            values = np.array(found[name]).reshape(-1, 3).T
+            both, meshes[name], rungs[name] = (_between(chosen, column, len(results), np.nan) for column in values)
+        total[name] = both + tolerance
     return ErrorBar(total, meshes, rungs, tolerance)
 
 
@@ -160,21 +167,26 @@ def _of_force(results: Results, recovery: Recovery) -> tuple[Array, Array, Array
     """The error of the force at every step, and the parts of mesh and rung in it: too coarse a mesh is too stiff, and a
     rung that stores less than it should is too soft."""
     chosen = _some(len(results), ENERGIES)
-    taken, lost, off = np.zeros((3, len(chosen)))
+    taken, lost, off, both = np.zeros((4, len(chosen)))
     for number, step in enumerate(results[k] for k in chosen.tolist()):
         taken[number] = _taken(results, step)
         state = recovery.state(step)
         fields = recovery.fields(step, state)
         lost[number] = sum(part.sum() for part in recovery.lost(step, fields))
+        together = lost[number]
         if state is not None:
+            stored = state.membrane_energy.sum() + state.bending_energy.sum()
             smooth = recovery.smooth(fields)
-            plate = _as_plate(recovery, fields, smooth, fields, smooth)
-            off[number] = 0.5 * plate - state.membrane_energy.sum() - state.bending_energy.sum()
+            off[number] = 0.5 * _work(recovery, _mixed(fields, smooth), _mixed(fields, smooth)) - stored
+            together = lost[number] - off[number]
+            if recovery.patterned:
+                level = _mixed(smooth, fields)
+                together = 0.5 * _work(recovery, level, level) - stored
+        both[number] = abs(together) + CANCELLED * min(lost[number], max(off[number], 0.0))
     known = taken > NOTHING * taken.max(initial=0.0)
-    both = np.abs(lost - off) + CANCELLED * np.minimum(lost, np.maximum(off, 0.0))
-    shares = [
-        np.where(known, SAFETY * np.abs(part) / np.where(known, taken, 1.0), np.nan) for part in (both, lost, off)
-    ]
+    safety = BARS_SAFETY if recovery.patterned else SAFETY
+    parts = ((both, safety), (lost, SAFETY), (off, SAFETY))
+    shares = [np.where(known, times * np.abs(part) / np.where(known, taken, 1.0), np.nan) for part, times in parts]
     return (
         _between(chosen, shares[0], len(results)),
         _between(chosen, shares[1], len(results)),
@@ -191,21 +203,23 @@ def _taken(results: Results, step: Step) -> float:
     return float(total)
 
 
-def _as_plate(recovery: Recovery, fields: Array, smooth: Array, rate: Array, smooth_rate: Array) -> float:
-    """Work of the stress that plate theory makes of a deformation on another: of the strain as it is, and of the smooth
-    curvature, since angles at edges jump."""
-    one, other = fields.copy(), rate.copy()
-    one[..., BENDING], other[..., BENDING] = smooth[..., BENDING], smooth_rate[..., BENDING]
+def _mixed(stretched: Array, bent: Array) -> Array:
+    """The deformation (m, 3, 6) with the strain of one and the curvature of another."""
+    return np.concatenate([stretched[..., MEMBRANE], bent[..., BENDING]], axis=-1)
+
+
+def _work(recovery: Recovery, one: Array, other: Array) -> float:
+    """Work of the stress that plate theory makes of a deformation on another."""
     return float(sum(part.sum() for part in recovery.work(one, other)))
 
 
-def _of_goals(recovery: Recovery, step: Step, goals: list[_Goal]) -> list[tuple[float, float]]:
-    """Errors of mesh and rung in quantities at a step; nan where the tangent is singular."""
+def _of_goals(recovery: Recovery, step: Step, goals: list[_Goal]) -> list[tuple[float, float, float]]:
+    """Errors of mesh and rung together, and of each, in quantities at a step; nan where the tangent is singular."""
     results = recovery.results
     try:
         tangent = StoredTangent(results, step)
     except SingularMatrixError:
-        return [(float("nan"), float("nan"))] * len(goals)
+        return [(float("nan"),) * 3] * len(goals)
     state = recovery.state(step)
     fields = recovery.fields(step, state)
     smooth = recovery.smooth(fields)
@@ -218,12 +232,20 @@ def _of_goals(recovery: Recovery, step: Step, goals: list[_Goal]) -> list[tuple[
         borne = recovery.borne(step, fields)
         smooth_borne = smooth if borne is fields else recovery.smooth(borne)
         work = np.concatenate(recovery.work(smooth_borne - borne, smooth_rate - rate))
-        mesh = abs(float(work.sum())) + CANCELLED * float(np.abs(work).sum()) + chord
-        rung = 0.0
-        if state is not None:
-            rung = abs(_as_plate(recovery, fields, smooth, rate, smooth_rate) - _borne(recovery, state, rate))
-        safety = HEIGHT_SAFETY if goal is _heights else AREA_SAFETY
-        found.append((safety * mesh, safety * rung))
+        cancelled = CANCELLED * float(np.abs(work).sum()) + chord
+        mesh, rung = abs(float(work.sum())) + cancelled, 0.0
+        both = mesh
+        if state is not None:  # the strain as it is, and the smooth curvature, since angles at edges jump
+            borne_work = _borne(recovery, state, rate)
+            rung = abs(_work(recovery, _mixed(fields, smooth), _mixed(rate, smooth_rate)) - borne_work)
+            both += rung
+            if recovery.patterned:
+                together = _work(recovery, _mixed(smooth, fields), _mixed(smooth_rate, rate)) - borne_work
+                both = abs(together) + cancelled
+        high = goal is _heights
+        safety = HEIGHT_SAFETY if high else AREA_SAFETY
+        of_bars = BARS_HEIGHT_SAFETY if high else BARS_AREA_SAFETY
+        found.append(((of_bars if recovery.patterned else safety) * both, safety * mesh, safety * rung))
     return found
 
 

@@ -76,6 +76,11 @@ class Recovery:
     def reader(self) -> StateReader:
         return state_reader(self.results, self.mesh)
 
+    @property
+    def patterned(self) -> bool:
+        """Whether strains jump in the pattern of the mesh: those of bars, which know no facets."""
+        return self.shell is None and not any(kernel.surface for kernel in self.results.kernels)
+
     def state(self, step: Step) -> SheetState | None:
         """What the elements bear, on rungs that do not obey plate theory themselves."""
         return None if self.shell is not None else self.reader.at(step)
