@@ -157,32 +157,37 @@ def weigh_back(matrix, values, found):  # type: ignore[no-untyped-def]
 
 
 @compiled
-def stretch_rows(v, per_square, forms, stretch, rows, along):  # type: ignore[no-untyped-def]
-    """Derivatives (9, 15, LANES) of the weighted membrane measures by the vectors."""
-    rows[:, :15] = 0.0
+def stretch_slopes(v, per_square, forms, slopes):  # type: ignore[no-untyped-def]
+    """Derivatives (9, 15, LANES) of the membrane measures by the vectors; those that are always zero are left alone."""
     for g in range(6):
-        combine(ALONG, g, v, along)
-        for axis in range(3):
-            for lane in range(LANES):
-                along[axis, lane] *= per_square[g, lane]
         for p in range(5):
-            part = ALONG[g, p]
-            if part != 0.0:
-                for i in range(9):
-                    for axis in range(3):
-                        for lane in range(LANES):
-                            rows[i, 3 * p + axis, lane] += stretch[i, g, lane] * (part * along[axis, lane])
+            if ALONG[g, p] != 0.0:
+                for axis in range(3):
+                    for lane in range(LANES):
+                        total = 0.0
+                        for q in range(5):
+                            total += ALONG[g, q] * v[q, axis, lane]
+                        slopes[g, 3 * p + axis, lane] = ALONG[g, p] * per_square[g, lane] * total
     for c in range(3):
         for p in range(5):
-            along[:] = 0.0
-            for q in range(5):
-                for axis in range(3):
-                    for lane in range(LANES):
-                        along[axis, lane] += forms[c, p, q, lane] * v[q, axis, lane]
-            for i in range(9):
-                for axis in range(3):
-                    for lane in range(LANES):
-                        rows[i, 3 * p + axis, lane] += stretch[i, 6 + c, lane] * along[axis, lane]
+            for axis in range(3):
+                for lane in range(LANES):
+                    total = 0.0
+                    for q in range(5):
+                        total += forms[c, p, q, lane] * v[q, axis, lane]
+                    slopes[6 + c, 3 * p + axis, lane] = total
+
+
+@compiled
+def stretch_rows(stretch, slopes, rows):  # type: ignore[no-untyped-def]
+    """Derivatives (9, 15, LANES) of the weighted membrane measures by the vectors, of those of the measures."""
+    for i in range(9):
+        for z in range(15):
+            for lane in range(LANES):
+                total = 0.0
+                for m in range(9):
+                    total += stretch[i, m, lane] * slopes[m, z, lane]
+                rows[i, z, lane] = total
 
 
 @compiled
@@ -221,28 +226,35 @@ def angle_rows(normal, inward, sizes, faced, levers, slides):  # type: ignore[no
 
 
 @compiled
-def bend_rows(area_normal, normal, shares, levers, slides, bend, scale, rows, sums):  # type: ignore[no-untyped-def]
-    """Add the derivatives (9, 21, LANES) of weighted bending measures by the vectors and the local angles as stored."""
-    for i in range(9):
+def bend_slopes(area_normal, normal, shares, levers, slides, slopes):  # type: ignore[no-untyped-def]
+    """Derivatives (15, 15, LANES) of the bending measures by the vectors."""
+    width = slopes.shape[2]
+    for m in range(9):
         for p in range(5):
-            sums[:] = 0.0
-            for q in range(3):
-                for lane in range(LANES):
-                    share = 0.0
-                    for c in range(3):
-                        share += bend[i, 3 * q + c, lane] * shares[3 * q + c, p, lane]
-                    for axis in range(3):
-                        sums[axis, lane] += share * area_normal[q, axis, lane]
-            for g in range(6):
-                part = ALONG[g, p]
-                for lane in range(LANES):
-                    weight = bend[i, 9 + g, lane]
-                    share = weight * levers[g, p, lane]
-                    for axis in range(3):
-                        sums[axis, lane] += share * normal[g, axis, lane] + weight * part * slides[g, axis, lane]
             for axis in range(3):
-                for lane in range(LANES):
-                    rows[i, 3 * p + axis, lane] += sums[axis, lane]
+                for lane in range(width):
+                    slopes[m, 3 * p + axis, lane] = shares[m, p, lane] * area_normal[m // 3, axis, lane]
+    for g in range(6):
+        for p in range(5):
+            part = ALONG[g, p]
+            for axis in range(3):
+                for lane in range(width):
+                    slopes[9 + g, 3 * p + axis, lane] = (
+                        levers[g, p, lane] * normal[g, axis, lane] + part * slides[g, axis, lane]
+                    )
+
+
+@compiled
+def bend_rows(bend, slopes, scale, kept, rows):  # type: ignore[no-untyped-def]
+    """Derivatives (9, 21, LANES) of weighted bending measures by the vectors and the local angles as stored, beside
+    what is `kept` of the rows."""
+    for i in range(9):
+        for z in range(15):
+            for lane in range(LANES):
+                total = 0.0
+                for m in range(15):
+                    total += bend[i, m, lane] * slopes[m, z, lane]
+                rows[i, z, lane] = kept * rows[i, z, lane] + total
         for g in range(6):
             for lane in range(LANES):
-                rows[i, 15 + g, lane] -= bend[i, 9 + g, lane] * scale[g, lane]
+                rows[i, 15 + g, lane] = kept * rows[i, 15 + g, lane] - bend[i, 9 + g, lane] * scale[g, lane]

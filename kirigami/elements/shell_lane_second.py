@@ -1,4 +1,9 @@
-"""Second derivatives of shell facets, LANES facets at once; see :mod:`kirigami.elements.shell_lanes`."""
+"""Second derivatives of shell facets, LANES facets at once; see :mod:`kirigami.elements.shell_lanes`.
+
+At nine points, three inside and six on the edges, a normal n turns with the vectors v_p. What that adds to the block
+(p, q) of second derivatives has one form, n (w_q a_p)' + (w_p a_q) n' with weights w and arms a of the five vectors;
+inside less h (a_p.a_q) n n', on the edges with what the slide along them adds.
+"""
 
 from __future__ import annotations
 
@@ -19,101 +24,104 @@ def add_squares(rows, width, local):  # type: ignore[no-untyped-def]
 
 
 @compiled
-def add_pairs(first, second, k, one, cross, two, local, left, right):  # type: ignore[no-untyped-def]
-    """Add the lower half of the form with blocks one, cross and two (3, 3, LANES) in the vectors that row k of the
-    tables `first` and `second` makes of the five."""
-    for p in range(5):
-        a, b = first[k, p], second[k, p]
+def inside_parts(v, normal, dual, moment, second, arms, weights, loads, heights):  # type: ignore[no-untyped-def]
+    """Arms (.., 5, 3, LANES) and weights (.., 5, LANES) of the three points inside, with the moments of the curvatures
+    there, and heights (3, 5, 5, LANES), h times the products of arms."""
+    width = moment.shape[1]
+    for k in range(3):
+        for p in range(5):
+            for axis in range(3):
+                for lane in range(width):
+                    arms[k, p, axis, lane] = (
+                        FIRST[k, p] * dual[0, k, axis, lane] + SECOND[k, p] * dual[1, k, axis, lane]
+                    )
+        weights[k] = 0.0
+        loads[:] = 0.0
+        for e in range(3):
+            for lane in range(width):
+                share = high = one = two = 0.0
+                for c in range(3):
+                    share += moment[3 * k + c, lane] * second[e, c, lane]
+                    high += normal[k, c, lane] * v[2 + e, c, lane]
+                    one += dual[0, k, c, lane] * v[2 + e, c, lane]
+                    two += dual[1, k, c, lane] * v[2 + e, c, lane]
+                loads[0, lane] += share * high
+                loads[1, lane] += share * one
+                loads[2, lane] += share * two
+                weights[k, 2 + e, lane] -= share
+        for p in range(5):
+            for lane in range(width):
+                weights[k, p, lane] += FIRST[k, p] * loads[1, lane] + SECOND[k, p] * loads[2, lane]
+            for q in range(p + 1):
+                for lane in range(width):
+                    product = 0.0
+                    for axis in range(3):
+                        product += arms[k, p, axis, lane] * arms[k, q, axis, lane]
+                    heights[k, p, q, lane] = loads[0, lane] * product
+
+
+@compiled
+def edge_parts(frames, faced, moment, pull, per_square, arms, weights, loads, forms):  # type: ignore[no-untyped-def]
+    """Arms and weights of the six points on the edges, with the moments of the angles, and forms (6, 3, 3, LANES) of
+    ALONG: of the slide along the edge, and of the strains there."""
+    normal, inward, tangent, sizes = frames
+    width = moment.shape[1]
+    for g in range(6):
+        for lane in range(width):
+            c, length, reach = moment[9 + g, lane], sizes[0, g, lane], sizes[1, g, lane]
+            loads[0, lane] = c / (reach * reach)
+            loads[1, lane] = c / (length * reach)
+            loads[2, lane] = 0.5 * c / (length * length)
+        for p in range(5):
+            for lane in range(width):
+                weights[3 + g, p, lane] = INWARD[g, p] - sizes[2, g, lane] * ALONG[g, p]
+            for axis in range(3):
+                for lane in range(width):
+                    arms[3 + g, p, axis, lane] = (
+                        loads[0, lane] * weights[3 + g, p, lane] * inward[g, axis, lane]
+                        + loads[1, lane] * ALONG[g, p] * tangent[g, axis, lane]
+                    )
         for i in range(3):
-            for j in range(3):
-                for lane in range(LANES):
-                    left[i, j, lane] = a * one[i, j, lane] + b * cross[j, i, lane]
-                    right[i, j, lane] = a * cross[i, j, lane] + b * two[i, j, lane]
+            for j in range(i + 1):
+                for lane in range(width):
+                    up, side, lean = faced[0, g, lane], faced[1, g, lane], faced[2, g, lane]
+                    n, m, t = normal[g, i, lane], inward[g, i, lane], tangent[g, i, lane]
+                    nn, mm, tt = normal[g, j, lane], inward[g, j, lane], tangent[g, j, lane]
+                    square = up * up + side * side
+                    over, under = (1.0 + lean * lean) / (square * square), 2.0 * lean / square
+                    turn, curl = up * m - side * n, over * (up * n + side * m) - under * t
+                    other, bend = up * mm - side * nn, over * (up * nn + side * mm) - under * tt
+                    form = loads[2, lane] * (n * mm + m * nn + turn * bend + curl * other)
+                    if i == j:
+                        form += pull[g, lane] * per_square[g, lane]
+                    forms[g, i, j, lane] = form
+                    forms[g, j, i, lane] = form
+
+
+@compiled
+def add_points(normals, arms, weights, heights, forms, local):  # type: ignore[no-untyped-def]
+    """Add what the nine points make of their parts to the lower half of the second derivatives."""
+    for p in range(5):
         for q in range(p + 1):
-            c, d = first[k, q], second[k, q]
             for i in range(3):
                 for j in range(3 if q < p else i + 1):
                     for lane in range(LANES):
-                        local[3 * p + i, 3 * q + j, lane] += c * left[i, j, lane] + d * right[i, j, lane]
-
-
-@compiled
-def inside_second(v, normal, dual, moment, second, local, work):  # type: ignore[no-untyped-def]
-    """Add the second derivatives of the curvatures inside, summed with their moments."""
-    one, cross, two, left, right, shares, load = work
-    for q in range(3):
-        load[:] = 0.0
-        for e in range(3):
-            for lane in range(LANES):
-                share = 0.0
-                for c in range(3):
-                    share += moment[3 * q + c, lane] * second[e, c, lane]
-                shares[e, lane] = share
-                for axis in range(3):
-                    load[axis, lane] += share * v[2 + e, axis, lane]
-        for lane in range(LANES):
-            height = tilt_one = tilt_two = d11 = d12 = d22 = 0.0
-            for axis in range(3):
-                height += normal[q, axis, lane] * load[axis, lane]
-                tilt_one += dual[0, q, axis, lane] * load[axis, lane]
-                tilt_two += dual[1, q, axis, lane] * load[axis, lane]
-                d11 += dual[0, q, axis, lane] * dual[0, q, axis, lane]
-                d12 += dual[0, q, axis, lane] * dual[1, q, axis, lane]
-                d22 += dual[1, q, axis, lane] * dual[1, q, axis, lane]
-            for i in range(3):
-                n, a, b = normal[q, i, lane], dual[0, q, i, lane], dual[1, q, i, lane]
-                for j in range(3):
-                    m, c, d = normal[q, j, lane], dual[0, q, j, lane], dual[1, q, j, lane]
-                    one[i, j, lane] = tilt_one * (n * c + a * m) - height * d11 * n * m
-                    cross[i, j, lane] = tilt_two * n * c + tilt_one * b * m - height * d12 * n * m
-                    two[i, j, lane] = tilt_two * (n * d + b * m) - height * d22 * n * m
-        add_pairs(FIRST, SECOND, q, one, cross, two, local, left, right)
-        for p in range(5):  # n.dg_A against g^A.dw
-            for i in range(3):
-                for j in range(3):
-                    for lane in range(LANES):
-                        left[i, j, lane] = normal[q, i, lane] * (
-                            FIRST[q, p] * dual[0, q, j, lane] + SECOND[q, p] * dual[1, q, j, lane]
-                        )
-            for e in range(3):
-                for i in range(3):
-                    for j in range(3):
-                        row, column = 3 * p + i, 6 + 3 * e + j
-                        high, low, times = max(row, column), min(row, column), 2.0 if row == column else 1.0
-                        for lane in range(LANES):
-                            local[high, low, lane] -= times * shares[e, lane] * left[i, j, lane]
-
-
-@compiled
-def edges_second(frames, faced, moment, pull, per_square, local, work):  # type: ignore[no-untyped-def]
-    """Add the second derivatives of the angles, summed with their moments, and of the strains along the edges."""
-    normal, inward, tangent, sizes = frames
-    one, cross, two, left, right, _, _ = work
+                        total = 0.0
+                        for k in range(9):
+                            total += normals[k, i, lane] * weights[k, q, lane] * arms[k, p, j, lane]
+                            total += normals[k, j, lane] * weights[k, p, lane] * arms[k, q, i, lane]
+                        for k in range(3):
+                            total -= heights[k, p, q, lane] * normals[k, i, lane] * normals[k, j, lane]
+                        local[3 * p + i, 3 * q + j, lane] += total
     for g in range(6):
-        for lane in range(LANES):
-            up, side, lean = faced[0, g, lane], faced[1, g, lane], faced[2, g, lane]
-            square = up * up + side * side
-            c = moment[9 + g, lane]
-            length, reach, slant = sizes[0, g, lane], sizes[1, g, lane], sizes[2, g, lane]
-            mixed, inner, along = c / (length * reach), c / (reach * reach), c / (length * length)
-            over, under = 0.5 * (1.0 + lean * lean) / (square * square), lean / square
-            for i in range(3):
-                n, m, t = normal[g, i, lane], inward[g, i, lane], tangent[g, i, lane]
-                turn, curl = up * m - side * n, over * (up * n + side * m) - under * t
-                for j in range(3):
-                    nn, mm, tt = normal[g, j, lane], inward[g, j, lane], tangent[g, j, lane]
-                    other, bend = up * mm - side * nn, over * (up * nn + side * mm) - under * tt
-                    both = inner * (n * mm + m * nn)
-                    shear = mixed * n * tt
-                    one[i, j, lane] = (
-                        along * (0.5 * (n * mm + m * nn) + turn * bend + curl * other)
-                        - slant * (shear + mixed * t * nn) + slant * slant * both
-                    )  # fmt: skip
-                    cross[i, j, lane] = shear - slant * both
-                    two[i, j, lane] = both
-            for i in range(3):
-                one[i, i, lane] += pull[g, lane] * per_square[g, lane]
-        add_pairs(ALONG, INWARD, g, one, cross, two, local, left, right)
+        for p in range(5):
+            for q in range(p + 1):
+                part = ALONG[g, p] * ALONG[g, q]
+                if part != 0.0:
+                    for i in range(3):
+                        for j in range(3 if q < p else i + 1):
+                            for lane in range(LANES):
+                                local[3 * p + i, 3 * q + j, lane] += part * forms[g, i, j, lane]
 
 
 @compiled

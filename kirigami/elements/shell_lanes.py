@@ -17,17 +17,20 @@ from kirigami.elements.shell_lane_rows import (
     area_frames,
     bend_rows,
     bend_shares,
+    bend_slopes,
     bent,
     edge_frames,
     facing,
     gather,
     stretch_rows,
+    stretch_slopes,
     stretched,
     weigh,
     weigh_back,
 )
-from kirigami.elements.shell_lane_second import add_squares, edges_second, inside_second, mean_second
-from kirigami.elements.shell_loops import compiled, scatter
+from kirigami.elements.shell_lane_scatter import scatter
+from kirigami.elements.shell_lane_second import add_points, add_squares, edge_parts, inside_parts, mean_second
+from kirigami.elements.shell_loops import compiled
 
 
 @compiled
@@ -40,19 +43,18 @@ def blocks(  # type: ignore[no-untyped-def]
     n = len(conn)
     exact, coupled = 1.0 - convexity, len(all_couple) > 0
     du, v = np.empty((5, 3, LANES)), np.empty((5, 3, LANES))
-    normal, inward, tangent = np.empty((6, 3, LANES)), np.empty((6, 3, LANES)), np.empty((6, 3, LANES))
-    sizes, area_normal, dual = np.empty((3, 6, LANES)), np.empty((3, 3, LANES)), np.empty((2, 3, 3, LANES))
+    normals, inward, tangent = np.empty((9, 3, LANES)), np.empty((6, 3, LANES)), np.empty((6, 3, LANES))
+    area_normal, normal = normals[:3], normals[3:]
+    sizes, dual = np.empty((3, 6, LANES)), np.empty((2, 3, 3, LANES))
     seen, faced, turned = np.empty((6, 3, LANES)), np.empty((3, 6, LANES)), np.empty((6, LANES))
     near, far = np.empty((3, LANES)), np.empty((3, LANES))
     r, b, y, z = np.empty((9, LANES)), np.empty((15, LANES)), np.empty((9, LANES)), np.empty((9, LANES))
     pull, moment = np.empty((9, LANES)), np.empty((15, LANES))
     shares, levers, slides = np.empty((9, 5, LANES)), np.empty((6, 5, LANES)), np.empty((6, 3, LANES))
-    rows, local = np.empty((9, 21, LANES)), np.empty((21, 21, LANES))
-    work = (
-        np.empty((3, 3, LANES)), np.empty((3, 3, LANES)), np.empty((3, 3, LANES)), np.empty((3, 3, LANES)),
-        np.empty((3, 3, LANES)), np.empty((3, LANES)), np.empty((3, LANES)),
-    )  # fmt: skip
-    full, place = np.zeros((27, 27)), np.empty(21, np.int64)
+    stretch_slope, bend_slope = np.zeros((9, 15, LANES)), np.empty((15, 15, LANES))
+    rows, local = np.zeros((9, 21, LANES)), np.empty((21, 21, LANES))
+    arms, weights, loads = np.empty((9, 5, 3, LANES)), np.empty((9, 5, LANES)), np.empty((3, LANES))
+    heights, forms_along, block = np.empty((3, 5, 5, LANES)), np.empty((6, 3, 3, LANES)), np.empty((3, 3, LANES))
     for batch in range(first, last):
         f = batch * LANES
         rest, per_square, forms, stretch = all_rest[batch], all_per_square[batch], all_forms[batch], all_stretch[batch]
@@ -86,13 +88,14 @@ def blocks(  # type: ignore[no-untyped-def]
         local[:] = 0.0
         bend_shares(v, dual, second, shares)
         angle_rows(normal, inward, sizes, faced, levers, slides)
-        stretch_rows(v, per_square, forms, stretch, rows, near)
+        stretch_slopes(v, per_square, forms, stretch_slope)
+        bend_slopes(area_normal, normal, shares, levers, slides, bend_slope)
+        stretch_rows(stretch, stretch_slope, rows)
         if coupled:
             rows[:, 15:] = 0.0
-            bend_rows(area_normal, normal, shares, levers, slides, couple, scale, rows, near)
+            bend_rows(couple, bend_slope, scale, 1.0, rows)
         add_squares(rows, 21 if coupled else 15, local)
-        rows[:] = 0.0
-        bend_rows(area_normal, normal, shares, levers, slides, bend, scale, rows, near)
+        bend_rows(bend, bend_slope, scale, 0.0, rows)
         add_squares(rows, 21, local)
         # second derivatives of the measures
         if len(ahead):
@@ -108,8 +111,8 @@ def blocks(  # type: ignore[no-untyped-def]
             for m in range(15):
                 for lane in range(LANES):
                     moment[m, lane] *= exact
-            inside_second(v, area_normal, dual, moment, second, local, work)
-            edges_second((normal, inward, tangent, sizes), faced, moment, pull, per_square, local, work)
-        for lane in range(min(LANES, n - f)):
-            if not len(own) or own[f + lane] < 0:
-                scatter(local[:, :, lane], stored[:, f + lane], f + lane, n, slots, full, place, target)
+            inside_parts(v, area_normal, dual, moment, second, arms, weights, loads, heights)
+            frames = normal, inward, tangent, sizes
+            edge_parts(frames, faced, moment, pull, per_square, arms, weights, loads, forms_along)
+            add_points(normals, arms, weights, heights, forms_along, local)
+        scatter(local, stored, f, n, own, slots, block, target)
