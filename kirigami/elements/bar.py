@@ -218,6 +218,11 @@ class BarKernel(NaturalKernel):
         self._distance = np.sqrt((self._rest_vector**2).sum(axis=0))
         self._rest_strain = self._strain_at_rest(self.rest_length)
 
+    @property
+    def sheet_part(self) -> str:  # type: ignore[override]
+        """A bar of a sheet is measured and answers as from_mesh makes it."""
+        return "bars" if (self.strain, self.law, self.drive) == ("green", "linear", None) else ""
+
     def arrays(self) -> dict[str, Any]:
         own = {name: getattr(self, name) for name in ("conn", "EA", "rest_length", "strain", "law", "members")}
         if self.mass_per_length is not None:

@@ -202,6 +202,7 @@ class BendHingeKernel(AngleKernel):
     """All bending hinges; see the module's text for the formulas. Local nodes: i, j, k, l."""
 
     name = "hinges"
+    sheet_part = "hinges"
     pairs = ((0, 1), (0, 2), (0, 3), (1, 2), (1, 3), (2, 3))
     translation_invariant = True
 

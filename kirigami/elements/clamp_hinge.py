@@ -59,6 +59,7 @@ class HeldEdgeKernel(NaturalKernel):
     """
 
     name = "clamps"
+    sheet_part = "held edges"
     anchored = True
     approximates = True
 

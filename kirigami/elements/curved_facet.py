@@ -21,6 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kirigami.elements.shell_facet import ShellFacet
+from kirigami.elements.surface import SurfaceKernel
 from kirigami.elements.triangle import (
     ENDS,
     STARTS,
@@ -174,14 +175,13 @@ def slope_stiffness(flat: Array, area: Array) -> Array:
     return stiffness
 
 
-class CurvedFacetKernel(Kernel):
+class CurvedFacetKernel(SurfaceKernel):
     """Curved facets of a results file; local rows: three corners, three tips of normals.
 
     What a tip pulls is given to the node it stands on, which is what held it; the Hessian is that of the rest state.
     """
 
     name = "facets"
-    surface = True
 
     def __init__(
         self,

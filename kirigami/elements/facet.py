@@ -24,7 +24,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kirigami.elements.bend_hinge import BendHingeKernel
-from kirigami.elements.natural import NaturalKernel
+from kirigami.elements.surface import SurfaceKernel
 from kirigami.elements.triangle import (
     ENDS,
     STARTS,
@@ -154,14 +154,14 @@ def rigidity_of(thickness: Array, E: Array, nu: Array) -> Array:
     return np.asarray(E * thickness**3 / (12 * (1 - nu**2)))
 
 
-class FacetKernel(NaturalKernel):
+class FacetKernel(SurfaceKernel):
     """All facets with one number of neighbours; see the module's text for the formulas.
 
     Local nodes: three corners, then the neighbours across those edges that `bends` (n, 3) marks, in their order.
     """
 
     name = "facets"
-    surface = True
+    bends_by_folds = True
     approximates = True
 
     def __init__(

@@ -129,7 +129,7 @@ class SeamHingeKernel(BendHingeKernel):
     `facets` (n, 2) are the numbers in the mesh of those on the two sides.
     """
 
-    name = "seams"
+    name = sheet_part = "seams"
     across_border = True
 
     def __init__(self, rest: Array, *given: Any, facets: Index, **named: Any) -> None:

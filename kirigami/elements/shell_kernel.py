@@ -8,7 +8,6 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from kirigami.elements.natural import NaturalKernel
 from kirigami.elements.shell_bending import (
     AreaFrames,
     Bending,
@@ -30,6 +29,7 @@ from kirigami.elements.shell_geometry import (
 from kirigami.elements.shell_membrane import Membrane
 from kirigami.elements.shell_rates import Look, Seen, looks
 from kirigami.elements.shell_rest import across, angle_scale, initial_directors, repeated
+from kirigami.elements.surface import SurfaceKernel
 from kirigami.primitives.kernel import EXACT, Array, CompiledKernel, Contribution, Kernel, Tangent, displacement_of
 
 CHUNK = 512  # facets whose Hessians are made at a time, so that they stay in the processor's cache
@@ -51,7 +51,7 @@ AXES = {
 }
 
 
-class ShellFacetKernel(NaturalKernel):
+class ShellFacetKernel(SurfaceKernel):
     """All shell facets; see the module's text for the formulas.
 
     Local rows: three corners, the middles and then the angles of the edges 01, 12, 20. `forward` (n, 3) tells where a
@@ -60,7 +60,7 @@ class ShellFacetKernel(NaturalKernel):
     """
 
     name = "shell"
-    surface = True
+    uniform = False
     measures_displacement = True
     compile_from = 200  # a facet is as much work as many bars
     approximates = True

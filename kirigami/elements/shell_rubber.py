@@ -18,6 +18,7 @@ import numpy as np
 
 from kirigami.elements.shell_geometry import AREA_PLACES
 from kirigami.elements.shell_kernel import Answer, ShellFacetKernel
+from kirigami.elements.surface import squares_over
 from kirigami.errors import ModelError
 from kirigami.primitives.kernel import Array, Kernel
 
@@ -110,6 +111,16 @@ class RubberShellKernel(ShellFacetKernel):
         sections = self._answer(fields).sections
         borne = np.einsum("niab,nib->nia", sections, AREA_PLACES @ drive)
         return np.asarray((self.chart.area / 3)[:, None, None] * (AREA_PLACES.T @ borne))
+
+    def membrane_energy(self, x: Array, lam: float) -> Array:
+        """All but that of bending, which is linear."""
+        found = super().membrane_energy(x, lam)
+        fields = squares_over(self._elastic(self._fields(x), lam))[self._own, :, 3:]
+        bending = 0.5 * self.chart.area[self._own] * np.einsum(
+            "nia,nab,nib->n", fields, self.section[self._own, 3:, 3:], fields
+        )
+        found[self._own] = self.evaluate(x, lam, 0).energy[self._own] - bending
+        return found
 
     def force(self, deformation: Array) -> Array:
         """Forces and moments per length at rest (n, 6) of a uniform deformation (n, 6)."""

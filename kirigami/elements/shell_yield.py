@@ -207,6 +207,12 @@ class YieldingShellKernel(ShellFacetKernel):
             found[flown.facets] = np.linalg.inv(AREA_PLACES) @ corner
         return np.asarray(found)
 
+    def membrane_energy(self, x: Array, lam: float) -> Array:
+        """That of the elastic part of the strain."""
+        forces = self.point_forces(x, lam)[..., :3]
+        stretch = np.linalg.solve(self.section[:, None, :3, :3], forces[..., None])[..., 0]
+        return np.asarray(self.chart.area / 6 * (stretch * forces).sum(axis=(1, 2)))
+
     def layer_stress(self, x: Array, lam: float) -> tuple[NDArray[np.int64], Array]:
         """The facets that have yielded (k,), and the mean stress (k, layers, 3) of each of their layers, from the lower
         face to the upper one."""

@@ -154,6 +154,9 @@ class Kernel:
         True where the members are facets of a sheet, whose first three nodes are the corners: then the deformation is
         (exx, eyy, gamma_xy, kxx, kyy, 2 kxy) with the first axis along the edge between the first two, and the force
         (Nxx, Nyy, Nxy, Mxx, Myy, Mxy).
+    sheet_part : str
+        What of a sheet without facets the members stand for: "bars" its stretching, "hinges" its bending, "seams" that
+        across the border of a periodic cell; and "held edges" of any sheet that at its supports.
     approximates : bool
         True where :meth:`evaluate` takes a further argument `tangent`, a :class:`Tangent`.
     path_dependent : bool
@@ -192,6 +195,7 @@ class Kernel:
     scaled: bool = False
     anchored: bool = False
     surface: bool = False
+    sheet_part: str = ""
     approximates: bool = False
     path_dependent: bool = False
     across_border: bool = False

@@ -27,13 +27,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from kirigami.elements.bar import BarKernel
-from kirigami.elements.clamp_hinge import HeldEdgeKernel
-from kirigami.elements.facet import FacetKernel
-from kirigami.elements.seams import SeamHingeKernel
-from kirigami.elements.shell_kernel import ShellFacetKernel
-from kirigami.elements.shell_rubber import RubberShellKernel
-from kirigami.elements.shell_yield import YieldingShellKernel
+from kirigami.elements.surface import SurfaceKernel, squares_over
 from kirigami.elements.triangle import ENDS, STARTS, SurfaceStrain, edge_vectors
 from kirigami.geometry.folds import facet_axes, fold_curvature_rates, laid_out
 from kirigami.post.curvature import CurvatureFit
@@ -42,6 +36,9 @@ from kirigami.results.results import Results
 from kirigami.results.step import Step
 
 if TYPE_CHECKING:
+    from kirigami.elements.bar import BarKernel
+    from kirigami.elements.clamp_hinge import HeldEdgeKernel
+    from kirigami.elements.seams import SeamHingeKernel
     from kirigami.geometry.mesh import TriMesh
 
 Index = NDArray[np.int64]
@@ -81,7 +78,7 @@ class StateReader:
         angle = np.arctan2(gradient[:, 1, 0] - gradient[:, 0, 1], gradient[:, 0, 0] + gradient[:, 1, 1])
         cosine, sine = np.cos(angle), np.sin(angle)
         self.turn = np.stack([np.stack([cosine, -sine], axis=-1), np.stack([sine, cosine], axis=-1)], axis=-2)
-        self.surfaces = [kernel for kernel in results.kernels if kernel.surface]
+        self.surfaces: list[Any] = [kernel for kernel in results.kernels if kernel.surface]  # of SurfaceKernel
         self._laid_out: dict[int, Any] = {}  # what of the members of a kernel is the same at every step
 
     def at(self, step: Step) -> SheetState:
@@ -94,17 +91,12 @@ class StateReader:
         state.strain = self._drawn(_tensor(self.surface.at(step.u, self.results.linear), half_shear=True))
         for kernel in self.surfaces:
             self._add_facets(state, kernel, step)
+        adders: dict[str, Callable[[SheetState, Any, Step], None]] = {"held edges": self._add_held_edges}
         if not self.surfaces:
-            for kernel in self.results.kernels:
-                if isinstance(kernel, BarKernel):
-                    self._add_bars(state, kernel, step)
-                elif isinstance(kernel, SeamHingeKernel):
-                    self._add_seams(state, kernel, step)
-                elif kernel.name == "hinges":
-                    self._add_hinges(state, kernel, step)
-        for kernel in self.results.kernels:
-            if isinstance(kernel, HeldEdgeKernel):
-                self._add_held_edges(state, kernel, step)
+            adders |= {"bars": self._add_bars, "hinges": self._add_hinges, "seams": self._add_seams}
+        for part in self.results.kernels:
+            if part.sheet_part in adders:
+                adders[part.sheet_part](state, part, step)
         return state
 
     def layers(self, step: Step, elastic: Array) -> Array:
@@ -112,55 +104,45 @@ class StateReader:
         in facets that have yielded that of their outermost layers and of those beside the middle."""
         found: Array = elastic.copy()
         for kernel in self.surfaces:
-            if isinstance(kernel, YieldingShellKernel):
-                flown, stress = self.results.evaluate_at(kernel, step, lambda x: kernel.layer_stress(x, step.lam))  # noqa: B023
-                at = placed(kernel.conn[flown, :3], self.mesh.triangles)
-                half = stress.shape[1] // 2
-                middle = stress[:, half - 1 : half + 1].mean(axis=1)
-                for place, values in enumerate((stress[:, 0], middle, stress[:, -1])):
-                    found[place, at[at >= 0]] = self._drawn(_tensor(values), at)[at >= 0]
+            flown, stress = self.results.evaluate_at(kernel, step, lambda x: kernel.layer_stress(x, step.lam))  # noqa: B023
+            if not len(flown):
+                continue
+            at = placed(kernel.conn[flown, :3], self.mesh.triangles)
+            half = stress.shape[1] // 2
+            middle = stress[:, half - 1 : half + 1].mean(axis=1)
+            for place, values in enumerate((stress[:, 0], middle, stress[:, -1])):
+                found[place, at[at >= 0]] = self._drawn(_tensor(values), at)[at >= 0]
         return found
 
     # ---- by kind of element
 
-    def _add_facets(self, state: SheetState, kernel: Kernel, step: Step) -> None:
+    def _add_facets(self, state: SheetState, kernel: SurfaceKernel, step: Step) -> None:
         results = self.results
         rows, at = self._facets(kernel)
         felt, borne = results.member_deformation(kernel, step)[rows], results.member_force(kernel, step)[rows]
         state.strain[at] = self._drawn(_tensor(felt[:, :3], half_shear=True), at)
-        if not isinstance(kernel, FacetKernel):  # shell facets know their curvature best
-            state.curvature[at] = self._drawn(_tensor(felt[:, 3:], half_shear=True), at)
         state.force[at] = self._drawn(_tensor(borne[:, :3]), at)
-        if isinstance(kernel, FacetKernel):
+        if kernel.bends_by_folds:
             moments = results.told(kernel, step, lambda x: kernel.fold_moments(x, step.lam))
             state.moment[at] = self._of_folds(moments[rows], at)
         else:
+            state.curvature[at] = self._drawn(_tensor(felt[:, 3:], half_shear=True), at)
             state.moment[at] = self._drawn(_tensor(borne[:, 3:]), at)
         energy = results.member_energy(kernel, step)[rows]
-        fields = felt[:, None]
-        if isinstance(kernel, ShellFacetKernel):  # whose strain is linear over the facet
-            fields = results.told(kernel, step, kernel.corner_deformation)[rows]
-        natural = kernel.natural_deformation(step.lam)  # type: ignore[attr-defined]
+        fields = felt[:, None] if kernel.uniform else results.told(kernel, step, kernel.corner_deformation)[rows]
+        natural = kernel.natural_deformation(step.lam)
         if natural is not None:  # energies are those of what is beyond it
-            fields, felt = fields - natural[rows, None], felt - natural[rows]
+            fields = fields - natural[rows, None]
             state.natural[at] = self._drawn_components(natural[rows], at)
-        if isinstance(kernel, ShellFacetKernel):
-            self._warm(state, kernel.heat(step.lam), rows, at)
-            fields = np.concatenate([fields, 3 * felt[:, None]], axis=1) / np.sqrt(12)
-        section: Array = kernel.section[rows, :3]  # type: ignore[attr-defined]
-        if isinstance(kernel, YieldingShellKernel) and not results.linear:  # not all of its deformation is elastic
-            forces = results.told(kernel, step, lambda x: kernel.point_forces(x, step.lam))[rows, :, :3]
-            stretch = np.linalg.solve(section[:, None, :, :3], forces[..., None])[..., 0]
-            state.membrane_energy[at] = self.area[at] / 6 * (stretch * forces).sum(axis=(1, 2))
-        else:
-            forces = np.einsum("nab,nkb->nka", section, fields)
-            state.membrane_energy[at] = 0.5 * self.area[at] * (fields[..., :3] * forces).sum(axis=(1, 2))
-        if isinstance(kernel, RubberShellKernel):  # which is linear in bending alone
-            moments = np.einsum("nab,nkb->nka", kernel.section[rows, 3:, 3:], fields[..., 3:])
-            bending = 0.5 * self.area[at] * (fields[..., 3:] * moments).sum(axis=(1, 2))
-            own = kernel.rubber[rows] > 0
-            state.membrane_energy[at] = np.where(own, energy - bending, state.membrane_energy[at])
-        state.bending_energy[at] = np.maximum(energy - state.membrane_energy[at], 0.0)
+        self._warm(state, kernel.heat(step.lam), rows, at)
+        fields = squares_over(fields)
+        forces = np.einsum("nab,nkb->nka", kernel.section[rows, :3], fields)
+        stretching = 0.5 * self.area[at] * (fields[..., :3] * forces).sum(axis=(1, 2))
+        if not results.linear:
+            own = results.evaluate_at(kernel, step, lambda x: kernel.membrane_energy(x, step.lam))[rows]
+            stretching = np.where(np.isnan(own), stretching, own)
+        state.membrane_energy[at] = stretching
+        state.bending_energy[at] = np.maximum(energy - stretching, 0.0)
 
     def _facets(self, kernel: Kernel) -> tuple[Index, Index]:
         """Which members of a kernel are facets of the mesh, and which these are."""
@@ -202,8 +184,6 @@ class StateReader:
         return fold_curvature_rates(laid_out(places, self.axes[facets], first))
 
     def _add_bars(self, state: SheetState, kernel: BarKernel, step: Step) -> None:
-        if kernel.strain != "green" or kernel.law != "linear" or kernel.drive is not None:
-            return  # no bar of a sheet
         rows, sides = self._once(kernel, lambda: self._beside(kernel.conn))
         strain = kernel.beyond(self.results.member_deformation(kernel, step), step.lam)[rows]
         if kernel.natural(step.lam) is not None:
@@ -300,7 +280,7 @@ class StateReader:
         """Whether there are facets whose curvature only the angles at their edges tell."""
         known = np.zeros(len(self.area), dtype=bool)
         for kernel in self.surfaces:
-            if not isinstance(kernel, FacetKernel):
+            if not kernel.bends_by_folds:
                 known[self._facets(kernel)[1]] = True
         return self.results.dim == 3 and not known.all()
 
