@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 from typing import Any, Protocol
 
 import numpy as np
@@ -83,6 +84,14 @@ class CheckedFactor:
         """The inverse times one right-hand side (n,), or some (n, k), unchecked."""
         raise NotImplementedError
 
+    def unchecked(self) -> Unchecked | None:
+        """The inverse alone, without the matrix; None where it was found to be bad."""
+        if self._pivoting is not None:
+            return None
+        alone = copy.copy(self)
+        alone.matrix = None
+        return Unchecked(alone)
+
     def solve(self, rhs: Array) -> Array:
         """Solution for one right-hand side (n,), or for some at once (n, k), which costs less than one by one."""
         if rhs.ndim == 2:
@@ -142,6 +151,20 @@ class CheckedFactor:
             if refined_error < error:
                 return refined, refined_error
         return solution, error
+
+
+class Unchecked:
+    """A positive definite factor whose matrix is let go: nothing of its solutions is checked or refined."""
+
+    negative = 0
+    matrix = None
+
+    def __init__(self, factor: CheckedFactor) -> None:
+        self._factor, self.backend = factor, factor.backend
+
+    def solve(self, rhs: Array) -> Array:
+        with np.errstate(all="ignore"):
+            return self._factor._apply(rhs)
 
 
 def terms(matrix: Any, vectors: Array) -> Array:

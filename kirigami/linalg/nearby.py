@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from kirigami.linalg.checked import Factor, SingularMatrixError
+from kirigami.linalg.checked import CheckedFactor, Factor, SingularMatrixError
 from kirigami.primitives.kernel import Array
 
 LOWEST = 0.3  # least eigenvalue of the pencil with which the factor close by will do
@@ -28,13 +28,13 @@ class NearbyFactor:
     Attributes
     ----------
     near : Factor
-        The factor, of a matrix close by.
+        The factor, of a matrix close by, which is not asked for any more: conjugate gradients look after themselves.
     """
 
     negative = 0
 
     def __init__(self, matrix: Any, near: Factor) -> None:
-        self.matrix, self.near = matrix, near
+        self.matrix, self.near = matrix, _alone(near) or near
         self.backend = near.backend
 
     def solve(self, rhs: Array) -> Array:
@@ -70,10 +70,16 @@ def nearby_factor(matrix: Any, near: Factor) -> NearbyFactor | None:
     >>> nearby_factor(diags([-0.1, 2.0, 2.9], format="csc"), near) is None
     True
     """
-    if near.negative:
+    alone = None if near.negative else _alone(near)
+    if alone is None:
         return None
-    lowest, settled = lowest_of_pencil(matrix, near, LOWEST)
-    return NearbyFactor(matrix, near) if settled and lowest > LOWEST else None
+    lowest, settled = lowest_of_pencil(matrix, alone, LOWEST)
+    return NearbyFactor(matrix, alone) if settled and lowest > LOWEST else None
+
+
+def _alone(factor: Factor) -> Factor | None:
+    """A factor without its matrix, None where its solutions must be looked after."""
+    return factor.unchecked() if isinstance(factor, CheckedFactor) else factor
 
 
 def lowest_of_pencil(matrix: Any, near: Factor, least: float = -np.inf) -> tuple[float, bool]:
