@@ -22,12 +22,17 @@ def linear_contribution(kernel: Kernel, rest: Configuration, lam: float, rows: A
 def _at_rest(kernel: Kernel, rest: Configuration, lam: float, u: Array) -> tuple[Contribution, Array]:
     """Energy and gradient of a kernel at rest, and the change of the gradient (n, k, dim) by displacements `u`."""
     if not kernel.scaled or type(kernel).by_load is Kernel.by_load:
-        return kernel.with_product(rest, lam, u)
-    (found, product), rate = kernel.with_product(rest, 0.0, u), kernel.by_load(rest, 0.0, 1)
+        return _with_product(kernel, rest, lam, u)
+    (found, product), rate = _with_product(kernel, rest, 0.0, u), kernel.by_load(rest, 0.0, 1)
     assert found.gradient is not None and rate.gradient is not None
     bend = (kernel.by_load(rest, SMALL, 0).energy - kernel.by_load(rest, -SMALL, 0).energy) / (2 * SMALL)
     energy = found.energy + lam * rate.energy + 0.5 * lam**2 * bend
     return found._replace(energy=energy, gradient=found.gradient + lam * rate.gradient), product
+
+
+def _with_product(kernel: Kernel, rest: Configuration, lam: float, u: Array) -> tuple[Contribution, Array]:
+    """See :meth:`kirigami.Kernel.with_product`; Hessians are dear, and at load factor zero nothing moves."""
+    return kernel.with_product(rest, lam, u) if u.any() else (kernel.evaluate(rest, lam, 1), np.zeros_like(u))
 
 
 def linear_force(kernel: Kernel, start: Array, felt: Array, lam: float) -> Array:

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 Index = NDArray[np.int64]
 
-TOGETHER = 1 << 20  # blocks or entries that are taken together, so that what this takes is little
+TOGETHER = 1 << 18  # blocks or entries that are taken together, so that what this takes is little
 MEMBERS = 5_000  # members of a kernel below which numpy is fast enough, but for kernels that say less
 
 

@@ -234,7 +234,7 @@ def check_floppy(system: System, matrix: Any, factor: Factor | None) -> None:
         if not np.isfinite(largest) or largest == 0:
             return
         vector /= largest
-    one_by_one = float(np.abs(vector) @ (abs(matrix) @ np.abs(vector)))
+    one_by_one = float(np.abs(vector) @ terms(matrix, vector))
     # The second bound serves motions of displacements that have no stiffness at all, so that both sides vanish.
     none_at_all = 1e-6 * float(vector @ vector) * system.stiffness_scale
     if abs(float(vector @ (matrix @ vector))) > FREE * max(one_by_one, none_at_all):
