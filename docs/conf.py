@@ -66,6 +66,7 @@ napoleon_use_rtype = False
 napoleon_use_ivar = True  # attributes are described once, with their class
 
 myst_enable_extensions = ["colon_fence"]
+myst_heading_anchors = 2
 nb_execution_mode = "cache"
 nb_execution_cache_path = str(HERE / "_build" / "notebooks")
 nb_execution_timeout = 300

@@ -41,8 +41,14 @@ def test_the_reference_says_what_the_docstrings_say() -> None:
 @pytest.mark.parametrize("page", WRITTEN, ids=[page.name for page in WRITTEN])
 def test_links_lead_somewhere(page: Path) -> None:
     """As a code host follows them: to files of the repository."""
-    for there in re.findall(r"\]\(([^)#\s]+)(?:#[^)]*)?\)", page.read_text(encoding="utf-8")):
-        assert re.match(r"https?:", there) or (page.parent / there).exists(), f"{page.name}: {there}"
+    for there, heading in re.findall(r"\]\(([^)#\s]+)(?:#([^)]*))?\)", page.read_text(encoding="utf-8")):
+        if re.match(r"https?:", there):
+            continue
+        assert (page.parent / there).exists(), f"{page.name}: {there}"
+        if heading:
+            titles = re.findall(r"^#+ (.*)$", (page.parent / there).read_text(encoding="utf-8"), re.MULTILINE)
+            anchors = [re.sub(r"[^\w -]", "", title.lower()).replace(" ", "-") for title in titles]
+            assert heading in anchors, f"{page.name}: {there} has no heading {heading}"
 
 
 @pytest.mark.parametrize("page", WRITTEN, ids=[page.name for page in WRITTEN])
