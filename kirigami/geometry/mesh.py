@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -17,8 +17,10 @@ from numpy.typing import ArrayLike, NDArray
 from kirigami.deferred import deferred
 from kirigami.errors import GeometryError
 from kirigami.geometry.fold_line import FoldEdges
+from kirigami.geometry.mesh_checks import Floats, Integers, checked_nodes, checked_triangles, indices, read_only
 from kirigami.geometry.topology import (
     area_vectors,
+    boundary_walks,
     oriented_triangles,
     pair_keys,
     paired_half_edges,
@@ -31,20 +33,14 @@ from kirigami.primitives.checks import (
     require_mapping,
     require_positive,
     require_text,
-    require_whole_array,
-    shown,
 )
 from kirigami.primitives.material import SheetMaterial
 
 if TYPE_CHECKING:
     from kirigami.geometry.sizing import Sizing
 
-Integers = NDArray[np.int64]
-Floats = NDArray[np.float64]
-
 SIDES = {"left": (0, 0), "right": (0, 1), "bottom": (1, 0), "top": (1, 1)}  # axis, and 0 for its lower end
 SIDE_TOLERANCE = 1e-9  # of the size of the mesh
-DEGENERATE = 1e-10  # a facet with less area than this times its longest edge squared has no usable normal
 
 
 @dataclass(frozen=True, eq=False)
@@ -124,11 +120,11 @@ class TriMesh:
         folds: Sequence[FoldEdges] = (),
         regions: Mapping[str, ArrayLike] | None = None,
     ) -> None:
-        self.nodes: Floats = _read_only(_checked_nodes(nodes))
-        self.triangles: Integers = _read_only(oriented_triangles(self.nodes, _checked_triangles(self.nodes, triangles)))
+        self.nodes: Floats = read_only(checked_nodes(nodes))
+        self.triangles: Integers = read_only(oriented_triangles(self.nodes, checked_triangles(self.nodes, triangles)))
         given = {} if sets is None else require_mapping(sets, "sets", "TriMesh", GeometryError)
         self.sets: dict[str, Integers] = {
-            name: _indices(which, len(self.nodes), f"node set {name!r}", "node") for name, which in given.items()
+            name: indices(which, len(self.nodes), f"node set {name!r}", "node") for name, which in given.items()
         }
         self.thickness = None if thickness is None else require_positive(thickness, "thickness", "TriMesh")
         self.material = None if material is None else require_instance(material, SheetMaterial, "material", "TriMesh")
@@ -148,20 +144,20 @@ class TriMesh:
     @cached_property
     def edges(self) -> Integers:
         """Edges, shape (e, 2): edge (j, k) runs counter-clockwise round its first facet, with j < k if it has two."""
-        return _read_only(self._end_nodes(self._half_edges[0]))
+        return read_only(self._end_nodes(self._half_edges[0]))
 
     @cached_property
     def edge_facets(self) -> Integers:
         """Facets at the left and at the right of each edge, shape (e, 2); -1 where the sheet ends."""
         first, second = self._half_edges
-        return _read_only(np.column_stack([first // 3, np.where(second < 0, -1, second // 3)]))
+        return read_only(np.column_stack([first // 3, np.where(second < 0, -1, second // 3)]))
 
     @cached_property
     def edge_wings(self) -> Integers:
         """Nodes opposite to each edge in its first and second facet, shape (e, 2); -1 where the sheet ends."""
         first, second = self._half_edges
         wings = [np.where(half < 0, -1, self.triangles[half // 3, (half + 2) % 3]) for half in (first, second)]
-        return _read_only(np.column_stack(wings))
+        return read_only(np.column_stack(wings))
 
     @cached_property
     def edge_folded(self) -> NDArray[np.bool_]:
@@ -171,17 +167,17 @@ class TriMesh:
             count = len(self.nodes)
             along = np.concatenate([pair_keys(fold.edges, count) for fold in self.folds])
             folded = np.isin(pair_keys(self.edges, count), along)
-        return _read_only(folded)
+        return read_only(folded)
 
     @cached_property
     def boundary_edges(self) -> Integers:
         """Indices of the edges with one facet."""
-        return _read_only(np.flatnonzero(self._half_edges[1] < 0))
+        return read_only(np.flatnonzero(self._half_edges[1] < 0))
 
     @cached_property
     def edge_lengths(self) -> Floats:
         """Length of each edge, shape (e,)."""
-        return _read_only(np.linalg.norm(self.nodes[self.edges[:, 1]] - self.nodes[self.edges[:, 0]], axis=1))
+        return read_only(np.linalg.norm(self.nodes[self.edges[:, 1]] - self.nodes[self.edges[:, 0]], axis=1))
 
     def _end_nodes(self, half_edges: Integers) -> Integers:
         facet, corner = half_edges // 3, half_edges % 3
@@ -192,13 +188,13 @@ class TriMesh:
     @cached_property
     def facet_areas(self) -> Floats:
         """Area of each facet, shape (m,)."""
-        return _read_only(np.linalg.norm(area_vectors(self.nodes, self.triangles), axis=1))
+        return read_only(np.linalg.norm(area_vectors(self.nodes, self.triangles), axis=1))
 
     @cached_property
     def nodal_areas(self) -> Floats:
         """Area of the sheet that belongs to each node, a third of the facets around it, shape (n,)."""
         share = np.repeat(self.facet_areas / 3.0, 3)
-        return _read_only(np.bincount(self.triangles.ravel(), share, len(self.nodes)))
+        return read_only(np.bincount(self.triangles.ravel(), share, len(self.nodes)))
 
     def nodal_mean(self, values: ArrayLike) -> Floats:
         """Means over the facets around each node (n, ...) of values at facets (m, ...), weighted with area.
@@ -227,7 +223,7 @@ class TriMesh:
         """Smallest angle of each facet in degrees, shape (m,)."""
         vectors = sides(self.nodes, self.triangles)
         cosines = -np.einsum("mcx,mcx->mc", vectors, np.roll(vectors, 1, axis=1))  # the sides that meet at corner c
-        return _read_only(np.degrees(np.arctan2(2.0 * self.facet_areas[:, None], cosines)).min(axis=1))
+        return read_only(np.degrees(np.arctan2(2.0 * self.facet_areas[:, None], cosines)).min(axis=1))
 
     @property
     def min_angle(self) -> float:
@@ -243,35 +239,14 @@ class TriMesh:
         left, right = self.edge_facets[self.edge_facets[:, 1] >= 0].T
         count = len(self.triangles)
         graph = coo_array((np.ones(len(left), np.int8), (left, right)), shape=(count, count))
-        return _read_only(connected_components(graph, directed=False)[1].astype(np.int64))
+        return read_only(connected_components(graph, directed=False)[1].astype(np.int64))
 
     # --- boundary --------------------------------------------------------------------------------------------------
 
     @cached_property
     def _boundary_walks(self) -> list[Integers]:
         """Closed walks of boundary half-edges with the sheet at the left; the outer one of each part comes first."""
-        first, second = self._half_edges
-        twin = np.full(3 * len(self.triangles), -1)
-        inner = second >= 0
-        twin[first[inner]], twin[second[inner]] = second[inner], first[inner]
-        follow = np.arange(len(twin)).reshape(-1, 3)[:, [1, 2, 0]].ravel()
-        # The next boundary half-edge is found by turning about the node through its fan of facets. Where two loops
-        # touch in a node, a search through the graph of boundary edges could not tell them apart; the fan can.
-        boundary = np.flatnonzero(twin < 0)
-        after = follow[boundary]
-        while (turning := twin[after] >= 0).any():
-            after[turning] = follow[twin[after[turning]]]
-        successor = dict(zip(boundary.tolist(), after.tolist(), strict=True))
-        walks = []
-        while successor:
-            start, half = next(iter(successor.items()))
-            walk = [start]
-            del successor[start]
-            while half != start:
-                walk.append(half)
-                half = successor.pop(half)
-            walks.append(np.array(walk))
-        return self._outer_first(walks)
+        return self._outer_first(boundary_walks(len(self.triangles), *self._half_edges))
 
     def _outer_first(self, walks: list[Integers]) -> list[Integers]:
         if len(walks) < 2:
@@ -293,7 +268,7 @@ class TriMesh:
     @cached_property
     def boundary_loops(self) -> list[Integers]:
         """Closed loops of boundary nodes with the sheet at the left, not repeating the first node; outer loop first."""
-        return [_read_only(self._end_nodes(walk)[:, 0]) for walk in self._boundary_walks]
+        return [read_only(self._end_nodes(walk)[:, 0]) for walk in self._boundary_walks]
 
     @cached_property
     def cuts(self) -> list[CutLoop]:
@@ -301,7 +276,7 @@ class TriMesh:
         if self._given_cuts is not None:
             return self._given_cuts
         inner = self.boundary_loops[self._outer_loop_count :]
-        return [CutLoop(_read_only(loop[::-1].copy()), (number,)) for number, loop in enumerate(inner)]
+        return [CutLoop(read_only(loop[::-1].copy()), (number,)) for number, loop in enumerate(inner)]
 
     @property
     def _outer_loop_count(self) -> int:
@@ -366,7 +341,7 @@ class TriMesh:
         if lips:
             along_cut = np.isin(pair_keys(pairs, len(self.nodes)), pair_keys(np.concatenate(lips), len(self.nodes)))
             pairs = pairs[~along_cut]
-        return _read_only(np.unique(pairs))
+        return read_only(np.unique(pairs))
 
     # --- copies ----------------------------------------------------------------------------------------------------
 
@@ -432,7 +407,7 @@ class TriMesh:
         return listed
 
     def _region(self, name: str, which: ArrayLike) -> Integers:
-        facets = _indices(which, len(self.triangles), f"region {name!r}", "facet")
+        facets = indices(which, len(self.triangles), f"region {name!r}", "facet")
         if not facets.size:
             raise GeometryError(f"region {name!r} is empty: it has no facet")
         return facets
@@ -445,65 +420,6 @@ class TriMesh:
             f"TriMesh({len(self.nodes)} nodes, {len(self.triangles)} facets, size {size}, "
             f"smallest angle {self.min_angle:.3g} deg, {len(self.cuts)} cuts, {holes} holes)"
         )
-
-
-# --- checks --------------------------------------------------------------------------------------------------------
-
-
-def _read_only(array: NDArray[Any]) -> NDArray[Any]:
-    array.setflags(write=False)
-    return array
-
-
-def _indices(which: ArrayLike, count: int, what: str, of: str) -> Integers:
-    """Numbers of nodes or facets in ascending order, each once; from numbers or from one boolean for each."""
-    try:
-        indices = np.asarray(which)
-    except ValueError:
-        raise GeometryError(f"{what} must be a flat list of {of} numbers, got {shown(which)}") from None
-    if indices.dtype == bool and indices.shape == (count,):
-        indices = np.flatnonzero(indices)
-    if indices.size and not np.issubdtype(indices.dtype, np.integer):
-        raise GeometryError(f"{what} must hold integers or one boolean per {of}, not {indices.dtype}")
-    indices = np.unique(indices).astype(np.int64)
-    if indices.size and not (indices[0] >= 0 and indices[-1] < count):
-        worst = indices[0] if indices[0] < 0 else indices[-1]
-        raise GeometryError(f"{what} holds index {worst}, but the mesh has {count} {of}s")
-    return _read_only(indices)
-
-
-def _checked_nodes(nodes: ArrayLike) -> Floats:
-    given = require_array(nodes, (None, 2), (None, 3), name="nodes", owner="TriMesh", error=GeometryError, finite=False)
-    bad = np.flatnonzero(~np.isfinite(given).all(axis=1))
-    if bad.size:
-        raise GeometryError(f"node {bad[0]} has the coordinates {given[bad[0]]}: every coordinate must be finite")
-    checked = np.zeros((len(given), 3))
-    checked[:, : given.shape[1]] = given
-    return checked
-
-
-def _checked_triangles(nodes: Floats, triangles: ArrayLike) -> Integers:
-    checked = require_whole_array(triangles, (None, 3), name="triangles", owner="TriMesh", error=GeometryError)
-
-    def refuse(wrong: Any, why: str) -> None:
-        if wrong.any():
-            facet = int(np.flatnonzero(wrong)[0])
-            raise GeometryError(f"facet {facet} with nodes {checked[facet].tolist()} {why}")
-
-    refuse(((checked < 0) | (checked >= len(nodes))).any(axis=1), f"names a node beyond 0 .. {len(nodes) - 1}")
-    refuse((checked == np.roll(checked, 1, axis=1)).any(axis=1), "names one node twice")
-    longest = np.linalg.norm(sides(nodes, checked), axis=2).max(axis=1)
-    area = np.linalg.norm(area_vectors(nodes, checked), axis=1)
-    refuse(area <= DEGENERATE * longest**2, "has no area: its nodes lie on a line")
-    ordered = np.sort(checked, axis=1)
-    rank = np.lexsort(ordered.T)
-    again = np.zeros(len(checked), bool)
-    again[rank[1:]] = (ordered[rank[1:]] == ordered[rank[:-1]]).all(axis=1)
-    refuse(again, "is given twice")
-    unused = np.flatnonzero(np.bincount(checked.ravel(), minlength=len(nodes)) == 0)
-    if unused.size:
-        raise GeometryError(f"node {unused[0]} at {nodes[unused[0]]} and {unused.size - 1} more belong to no facet")
-    return checked
 
 
 def _checked_cuts(cuts: Sequence[CutLoop], count: int) -> list[CutLoop]:

@@ -208,3 +208,29 @@ def _flips_of_a_surface(nodes: Floats, triangles: Integers) -> NDArray[np.bool_]
 
 def _flip(triangles: Integers, which: NDArray[np.bool_]) -> None:
     triangles[which, 1:] = triangles[which, :0:-1]
+
+
+def boundary_walks(facets: int, first: Integers, second: Integers) -> list[Integers]:
+    """Closed walks of boundary half-edges with the sheet at the left, given the half-edges `first` of all edges of so
+    many facets and their twins `second`, negative where there is none."""
+    twin = np.full(3 * facets, -1)
+    inner = second >= 0
+    twin[first[inner]], twin[second[inner]] = second[inner], first[inner]
+    follow = np.arange(len(twin)).reshape(-1, 3)[:, [1, 2, 0]].ravel()
+    # The next boundary half-edge is found by turning about the node through its fan of facets. Where two loops
+    # touch in a node, a search through the graph of boundary edges could not tell them apart; the fan can.
+    boundary = np.flatnonzero(twin < 0)
+    after = follow[boundary]
+    while (turning := twin[after] >= 0).any():
+        after[turning] = follow[twin[after[turning]]]
+    successor = dict(zip(boundary.tolist(), after.tolist(), strict=True))
+    walks = []
+    while successor:
+        start, half = next(iter(successor.items()))
+        walk = [start]
+        del successor[start]
+        while half != start:
+            walk.append(half)
+            half = successor.pop(half)
+        walks.append(np.array(walk))
+    return walks
