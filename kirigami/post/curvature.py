@@ -13,7 +13,7 @@ quadratic heights on any mesh, and does not look across cuts, nor at the angles 
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -122,11 +122,14 @@ class CurvatureFit:
         weight = mesh.facet_areas[facets].sum(axis=1) / (rows**2).sum(axis=1)
         part = joined_corners(mesh.triangles, ends, facets)
         corner = np.argmax(mesh.triangles[facets[:, :1]] == ends[:, :, None], axis=2)
-        self._at = part[facets[:, :1], corner]  # (e, 2): the pieces of smooth sheet round its ends that an edge is in
-        self._part = part
+        at = part[facets[:, :1], corner]  # (e, 2): the pieces of smooth sheet round its ends that an edge is in
+        count = int(part.max()) + 1
+        self._at_pieces, self._of_facets = _sums(at, count).T.tocsr(), _sums(part, count)
         self.weighted = rows * weight[:, None]
         self._onto = _components_in(axes).transpose(0, 2, 1)  # (m, 3, 6)
-        squares = self._gather(self.weighted[:, :, None] * rows[:, None, :])
+        one, two = np.triu_indices(6)
+        squares = np.empty((len(part), 6, 6))
+        squares[:, one, two] = squares[:, two, one] = self._gather(self.weighted[:, one] * rows[:, two])
         self.inverse = np.linalg.pinv(
             self._onto @ squares @ self._onto.transpose(0, 2, 1), rcond=UNSEEN, hermitian=True
         )
@@ -137,7 +140,7 @@ class CurvatureFit:
         found = np.empty((len(steps), len(self.triangles), 3))
         for row, step in zip(found, steps):
             gathered = self._gather(self.weighted * fold_angles(step[self.quads])[:, None])
-            row[:] = np.einsum("fij,fjk,fk->fi", self.inverse, self._onto, gathered)
+            row[:] = (self.inverse @ (self._onto @ gathered[:, :, None]))[..., 0]
         found[..., 2] *= np.sqrt(0.5)
         return found.reshape(*points.shape[:-2], *found.shape[1:])
 
@@ -148,11 +151,15 @@ class CurvatureFit:
     def _gather(self, per_edge: Floats) -> Floats:
         """Sums over the edges that meet each corner of a facet without a fold between, wings not counted, and over its
         three corners."""
-        at_corners = np.zeros((self._part.max() + 1, *per_edge.shape[1:]))
-        for at in self._at.T:
-            np.add.at(at_corners, at, per_edge)
-        total: Floats = at_corners[self._part].sum(axis=1)
-        return total
+        return np.asarray(self._of_facets @ (self._at_pieces @ per_edge))
+
+
+def _sums(columns: NDArray[np.int64], count: int) -> Any:
+    """A sparse matrix (n, count) that sums up what stands in the columns (n, k) of its rows."""
+    from scipy.sparse import csr_array
+
+    starts = np.arange(len(columns) + 1) * columns.shape[1]
+    return csr_array((np.ones(columns.size), columns.ravel(), starts), shape=(len(columns), count))
 
 
 def _planes(mesh: TriMesh) -> tuple[Floats, Floats]:
