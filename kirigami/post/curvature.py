@@ -125,22 +125,26 @@ class CurvatureFit:
         at = part[facets[:, :1], corner]  # (e, 2): the pieces of smooth sheet round its ends that an edge is in
         count = int(part.max()) + 1
         self._at_pieces, self._of_facets = _sums(at, count).T.tocsr(), _sums(part, count)
+        self._onto: Floats | None = None  # (m, 3, 6)
+        if np.ptp(mesh.nodes[:, 2]) == 0.0:  # all facets have the axes of the drawing
+            rows = rows @ _components_in(axes[:1])[0]
+        else:
+            self._onto = _components_in(axes).transpose(0, 2, 1)
         self.weighted = rows * weight[:, None]
-        self._onto = _components_in(axes).transpose(0, 2, 1)  # (m, 3, 6)
-        one, two = np.triu_indices(6)
-        squares = np.empty((len(part), 6, 6))
+        one, two = np.triu_indices(rows.shape[1])
+        squares = np.empty((len(part), rows.shape[1], rows.shape[1]))
         squares[:, one, two] = squares[:, two, one] = self._gather(self.weighted[:, one] * rows[:, two])
-        self.inverse = np.linalg.pinv(
-            self._onto @ squares @ self._onto.transpose(0, 2, 1), rcond=UNSEEN, hermitian=True
-        )
+        if self._onto is not None:
+            squares = self._onto @ squares @ self._onto.transpose(0, 2, 1)
+        self.inverse = np.linalg.pinv(squares, rcond=UNSEEN, hermitian=True)
 
     def components(self, points: Floats) -> Floats:
         """Curvature (..., facets, 3): kxx, kyy, kxy."""
         steps = points.reshape(-1, *points.shape[-2:])
         found = np.empty((len(steps), len(self.triangles), 3))
         for row, step in zip(found, steps):
-            gathered = self._gather(self.weighted * fold_angles(step[self.quads])[:, None])
-            row[:] = (self.inverse @ (self._onto @ gathered[:, :, None]))[..., 0]
+            gathered = self._gather(self.weighted * fold_angles(step[self.quads])[:, None])[:, :, None]
+            row[:] = (self.inverse @ (gathered if self._onto is None else self._onto @ gathered))[..., 0]
         found[..., 2] *= np.sqrt(0.5)
         return found.reshape(*points.shape[:-2], *found.shape[1:])
 
