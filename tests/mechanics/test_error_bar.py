@@ -51,14 +51,14 @@ def test_twist_that_costs_bars_and_hinges_double_is_seen(rung: str, least: float
 @pytest.mark.parametrize("rung", ["plate", "facet", "shell"])
 @pytest.mark.parametrize("nodes", [300, 700])
 def test_the_bar_holds_the_stiffness_of_a_cracked_plate(rung: str, nodes: int) -> None:
-    """And is not wider than four times its error; of bars, two errors cancel here."""
+    """And is not wider than four times its error; of bars, two errors cancel here, each of which is some 5 %."""
     m = kg.Model.from_mesh(CRACKED.mesh(nodes=nodes), stiffness=rung)
     top = m.select(boundary="top")
     m.add(kg.Fix(m.select(boundary="bottom")), kg.Fix(top, "xz"), kg.Prescribe(top, y=1e-6))
     res = kg.LinearStatic(m).run()
     true = abs(res.reaction(top, "y")[-1] / 1e-6 / LIMIT - 1)
     bar = res.error["force"][-1]
-    assert true <= bar <= (0.15 if rung == "plate" else 4 * true)
+    assert true <= bar <= (0.04 if rung == "plate" else 4 * true)
 
 
 def pulled(nodes: int, strain: float, material: object = PAPER, thickness: object = 1.25e-4) -> kg.Results:
