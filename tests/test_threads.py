@@ -20,9 +20,12 @@ def sheet():
     return system, system.displacement(np.zeros(system.free), 1.0)
 
 
-def test_a_factor_is_the_same_for_any_number_of_threads(sheet, monkeypatch):
-    """Also where it is indefinite: a squeezed sheet, whose negative eigenvalues are counted alike."""
+@pytest.mark.parametrize("halved", [2, 10**9])
+def test_a_factor_is_the_same_for_any_number_of_threads(sheet, monkeypatch, halved):
+    """Also where it is indefinite: a squeezed sheet, whose negative eigenvalues are counted alike; and where threads
+    share fronts."""
     system, u = sheet
+    monkeypatch.setattr(multifrontal, "HALVED", halved)
     matrix, right = system.matrix(system.stiffness_blocks(u, 1.0)), system.reduce(system.forces(u, 1.0)[0])
     found = []
     for threads in THREADS:
@@ -34,6 +37,7 @@ def test_a_factor_is_the_same_for_any_number_of_threads(sheet, monkeypatch):
     for negative, solution in found[1:]:
         assert negative == found[0][0]
         np.testing.assert_array_equal(solution, found[0][1])
+    assert np.linalg.norm(matrix @ found[0][1] - right) < 1e-9 * np.linalg.norm(right)
 
 
 def test_compiled_solutions_are_the_same_for_any_number_of_threads(sheet, monkeypatch):

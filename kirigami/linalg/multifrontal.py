@@ -16,6 +16,7 @@ Fortran order that LAPACK wants. The other triangle holds nothing of use, and th
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from functools import cached_property
 from typing import Any, NamedTuple
@@ -41,6 +42,7 @@ from kirigami.primitives.compiling import compiles
 from kirigami.primitives.kernel import Array
 
 COLUMNS, ENTRIES = 20_000, 1 << 20  # of a matrix that are looked at together, so that what this takes is little
+HALVED = 300  # rows on the border of a front from which on two threads may share it
 AMPLIFIED = 1e4  # displacements of a front per displacement of its border that are no lever any more
 
 Slices = tuple[slice, slice]
@@ -207,8 +209,9 @@ class _Elimination:
         """The same in a thread beside others."""
         self.eliminate(numbers, beside=True)
 
-    def eliminate(self, numbers: list[int], beside: bool = False) -> None:
-        """Eliminate fronts, children before parents; `beside` others by routines that let them run."""
+    def eliminate(self, numbers: list[int], beside: bool = False, each: Callable[..., Any] = map) -> None:
+        """Eliminate fronts, children before parents; `beside` others by routines that let them run. Halves of large
+        ones are left to `each`, a map."""
         from scipy.linalg.blas import dsyrk, dtrsm
         from scipy.linalg.lapack import dpotrf
 
@@ -242,7 +245,9 @@ class _Elimination:
                     lower, info = dpotrf(pivot.T, lower=1, overwrite_a=1, clean=0)
                 if info == 0:
                     exchanges = None
-                    if q and beside:
+                    if q >= HALVED:
+                        released.eliminate(pivot, outer, kept, rest, each)
+                    elif q and beside:
                         released.divide(pivot, outer)
                         released.take_off(outer, kept, rest)
                     elif q:
@@ -292,7 +297,9 @@ class MultifrontalFactor(CheckedFactor):
             if side_by_side:
                 with ThreadPoolExecutor(len(side_by_side)) as pool:
                     list(pool.map(work.eliminate_beside, side_by_side))
-            work.eliminate(rest)
+                    work.eliminate(rest, each=pool.map)
+            else:
+                work.eliminate(rest)
         self._fronts = [work.made[f] for f in range(len(work.made))]
         positive = not any(front.exchanges is not None for front in self._fronts)
         self._solve_plan = plan.solve_plan if positive else None

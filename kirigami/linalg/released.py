@@ -42,6 +42,11 @@ def _at(values: Array) -> Any:
     return ctypes.c_void_p(values.ctypes.data)
 
 
+def _row(block: Array) -> Any:
+    """Numbers from one row of a block to the next; it may be part of a larger one."""
+    return _whole(block.strides[0] // block.itemsize)
+
+
 def cholesky(pivot: Array) -> int:
     """Factor L of a block (p, p) whose entry [column, row] counts where row >= column, in its place; 0 where it is
     positive definite."""
@@ -64,10 +69,10 @@ def unpack(packed: Array, square: Array) -> None:
 
 
 def divide(pivot: Array, outer: Array) -> None:
-    """L^-1 times a block (p, q) in its place, with L in `pivot`."""
+    """L^-1 times a block (p, q), or some columns of one, in its place, with L in `pivot`."""
     p, q = outer.shape
     _routine("cython_blas", "dtrsm")(
-        b"R", b"L", b"T", b"N", _whole(q), _whole(p), _real(1.0), _at(pivot), _whole(p), _at(outer), _whole(q)
+        b"R", b"L", b"T", b"N", _whole(q), _whole(p), _real(1.0), _at(pivot), _whole(p), _at(outer), _row(outer)
     )
 
 
@@ -75,5 +80,34 @@ def take_off(outer: Array, kept: float, rest: Array) -> None:
     """`kept` times a block (q, q) less outer' outer, in its place; as `pivot` for the half that counts."""
     p, q = outer.shape
     _routine("cython_blas", "dsyrk")(
-        b"L", b"N", _whole(q), _whole(p), _real(-1.0), _at(outer), _whole(q), _real(kept), _at(rest), _whole(q)
+        b"L", b"N", _whole(q), _whole(p), _real(-1.0), _at(outer), _row(outer), _real(kept), _at(rest), _row(rest)
     )
+
+
+def take_off_product(first: Array, second: Array, kept: float, rest: Array) -> None:
+    """`kept` times a block (q, r) less first' second, in its place."""
+    (p, q), r = first.shape, second.shape[1]
+    _routine("cython_blas", "dgemm")(
+        b"N", b"T", _whole(r), _whole(q), _whole(p), _real(-1.0), _at(second), _row(second), _at(first), _row(first),
+        _real(kept), _at(rest), _row(rest),
+    )  # fmt: skip
+
+
+def eliminate(pivot: Array, outer: Array, kept: float, rest: Array, each: Callable[..., Any]) -> None:
+    """:func:`divide` and :func:`take_off` in two halves, which `each`, a map, may do side by side.
+
+    The halves are the same whoever does them, and so is what comes out, bit by bit. The block that is left over is
+    halved into two triangles and the square between them.
+    """
+    half = outer.shape[1] // 2
+    one, two = outer[:, :half], outer[:, half:]
+
+    def triangles() -> None:
+        take_off(one, kept, rest[:half, :half])
+        take_off(two, kept, rest[half:, half:])
+
+    def square() -> None:
+        take_off_product(one, two, kept, rest[:half, half:])
+
+    list(each(divide, (pivot, pivot), (one, two)))
+    list(each(lambda part: part(), (square, triangles)))
