@@ -64,6 +64,10 @@ def test_front_and_advice(study: kg.study.AccuracyStudy) -> None:
     assert study.recommend(10.0).startswith("1000 % in force: ")
     assert "cannot be told; the reference itself is known to" in study.recommend(1e-6)
     figure = study.plot({"another code": {"force": (0.02, 3.0)}})
+    axis = figure.axes[0].xaxis
+    axis.axes.set_xlim(0.25, 7.0)
+    told = axis.get_minor_formatter().format_ticks([0.3, 0.4, 0.6, 2.0, 3.0])
+    assert "0.6" in told and not any("e" in text for text in told)  # it said 6e-01
     assert len(figure.axes) == 3 and "failed" in figure.get_supxlabel()
 
 

@@ -82,7 +82,7 @@ def run(options: argparse.Namespace) -> int:
     job = Job(Drawing(sheet.outline, tuple(sheet.cuts)), sheet.thickness, sheet.material.E, sheet.material.nu,
               kg.LoadCase(strain, "y", GRIP))  # fmt: skip
     report = Report(results, job, (*notes, *map(str, results.events)), grips.free_length)
-    for line in (*report.notes, *in_words_of_the_command(report.text()).splitlines()):
+    for line in in_words_of_the_command("\n".join((*report.notes, report.text()))).splitlines():
         say(f"  {line}")
     if results.shapes is None:
         say(f"  {ONE_OF_MANY}")

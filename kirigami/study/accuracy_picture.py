@@ -28,6 +28,12 @@ def draw_accuracy(study: AccuracyStudy, others: Mapping[str, Mapping[str, tuple[
     from matplotlib.figure import Figure
     from matplotlib.ticker import LogFormatter
 
+    class Plain(LogFormatter):
+        """Numbers as people write them, where there is room: 0.6 and not 6e-01."""
+
+        def __call__(self, x: float, pos: int | None = None) -> str:
+            return f"{x:g}" if super().__call__(x, pos) else ""
+
     from kirigami.study.reference import QUANTITIES
 
     shown = [name for name in QUANTITIES if np.isfinite(study.reference[name]).any()] or ["force"]
@@ -38,7 +44,7 @@ def draw_accuracy(study: AccuracyStudy, others: Mapping[str, Mapping[str, tuple[
         for rung in rungs:
             color, marker = LOOKS.get(rung, ("black", "x"))
             rows = [row for row in study.table if row["stiffness"] == rung and row["status"] == "done"]
-            rows.sort(key=lambda row: float(row["cpu_seconds"]))
+            rows.sort(key=lambda row: (-float(row["tol"]), -float(row["max_edge"])))
             errors = np.array([100 * study.error(row, quantity) for row in rows])
             seconds = np.array([float(row["cpu_seconds"]) for row in rows])
             kept = np.isfinite(errors) & (errors > 1e-6)
@@ -60,7 +66,7 @@ def draw_accuracy(study: AccuracyStudy, others: Mapping[str, Mapping[str, tuple[
         ax.grid(True, which="both", lw=0.3, alpha=0.5)
         for axis in (ax.xaxis, ax.yaxis):
             axis.set_major_formatter("{x:g}")
-            axis.set_minor_formatter(LogFormatter(labelOnlyBase=False, minor_thresholds=(1.2, 0.5)))
+            axis.set_minor_formatter(Plain(labelOnlyBase=False, minor_thresholds=(1.2, 0.5)))
     axes[0].set_ylabel("largest error [%]")
     if axes[-1].get_legend_handles_labels()[0]:
         axes[-1].legend(fontsize=7)
