@@ -79,9 +79,10 @@ class PlaneStress:
         new = state.copy()
         new[on, :3] += g[:, None] * flown
         new[on, 3] += g * np.sqrt(2 / 3 * square)
-        moved, stored = some.moved(state[on, 3], new[on, 3])
-        new[on, 4:7] += (moved / np.sqrt(1.5 * square))[:, None] * n
-        new[on, 7] += stored + g * (state[on, 4:7] * flown).sum(axis=1)
+        if some.moves:
+            moved, stored = some.moved(state[on, 3], new[on, 3])
+            new[on, 4:7] += (moved / np.sqrt(1.5 * square))[:, None] * n
+            new[on, 7] += stored + g * (state[on, 4:7] * flown).sum(axis=1)
         stress[on] = self._at(on).elastic(strain[on] - new[on, :3])
         if matrices is not None:
             matrices[on] = self._tangent(on, g, flown, square, some.both_at(new[on, 3])[1])

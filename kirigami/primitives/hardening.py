@@ -226,6 +226,11 @@ class Hardening:
         point = self._point(a)
         return self.stress[point] + self.slope[point] * (a - self.strain[point]), self.slope[point]
 
+    @property
+    def moves(self) -> bool:
+        """Whether any back stress moves."""
+        return bool(self.rise.any())
+
     def back_at(self, a: Array) -> Array:
         """Back stress H (n,) there, in one direction."""
         point = self._point(a)
