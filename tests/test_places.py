@@ -18,6 +18,7 @@ def test_a_part_answers_as_the_whole_does_there(stiffness: str) -> None:
     mesh = kg.Sheet(box(0, 0, 1, 1), [LineString([(0.25, 0.5), (0.75, 0.5)])]).mesh(0.09)
     m = kg.Model.from_mesh(mesh, 1e-2, kg.Material(E=1.0, nu=0.3), stiffness=stiffness)
     m.add(kg.Fix(m.select(boundary="bottom")), kg.NodalLoad(m.select(boundary="top"), (0, 1e-6, 1e-7)))
+    m.add(kg.Actuate(strain=(0.01, 0.02, 0.0), curvature=(0.2, 0.1, 0.0)))
     system, rng = kg.System(m), np.random.default_rng(0)
     q, change = 2e-2 * rng.normal(size=(2, system.free))
     u = system.displacement(q, 0.5)
