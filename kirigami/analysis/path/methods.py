@@ -119,7 +119,7 @@ class LoadControl(_RangeAnalysis):
         How the stable equilibria of a structure that snaps are found (on_instability "switch"). "path": along the
         stable path in increments as long as it is smooth, and where it is lost downhill from close by; lands where a
         slow pull does (benchmarks/landing.py). "slow": that slow pull itself, with a little damping, as the reference;
-        three to ten times dearer. The others take long increments from the start, so that they may pass over a buckle
+        two to twenty times dearer. The others take long increments from the start, so that they may pass over a buckle
         and land on another stable shape: "newton" by Newton's method at shorter and shorter increments, and downhill
         where it fails; "descent" downhill at once, with compression faded out of the tangent where it is indefinite;
         "viscous" the same by an implicit viscous motion.
@@ -212,7 +212,7 @@ class DisplacementControl(_RangeAnalysis):
         How the stable equilibria of a structure that snaps are found (on_instability "switch"). "path": along the
         stable path in increments as long as it is smooth, and where it is lost downhill from close by; lands where a
         slow pull does (benchmarks/landing.py). "slow": that slow pull itself, with a little damping, as the reference;
-        three to ten times dearer. The others take long increments from the start, so that they may pass over a buckle
+        two to twenty times dearer. The others take long increments from the start, so that they may pass over a buckle
         and land on another stable shape: "newton" by Newton's method at shorter and shorter increments, and downhill
         where it fails; "descent" downhill at once, with compression faded out of the tangent where it is indefinite;
         "viscous" the same by an implicit viscous motion.
