@@ -212,6 +212,22 @@ def test_one_solver_for_changing_values_and_changing_patterns(name: str) -> None
 
 
 @pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("upper", [False, True])
+def test_a_sum_of_matrices_may_have_lost_entries_on_one_side(name: str, upper: bool) -> None:
+    """Where two terms cancel to rounding above the diagonal and to zero below it, or the other way about."""
+    whole = grid(9, 8).tolil()
+    size = whole.shape[0]
+    for row in range(30, size):
+        column = row - 30
+        whole[(column, row) if upper else (row, column)] = 1e-18
+    matrix = csc_matrix(whole)
+    assert (abs(matrix - matrix.T) > 0).nnz > size
+    load = np.cos(np.arange(size))
+    found = make_solver(name).factorize(matrix).solve(load)
+    np.testing.assert_allclose(found, np.linalg.solve(matrix.toarray(), load), rtol=1e-9)
+
+
+@pytest.mark.parametrize("name", NAMES)
 def test_small_matrices(name: str) -> None:
     assert make_solver(name).factorize(csc_matrix((0, 0))).solve(np.zeros(0)).shape == (0,)
     factor = make_solver(name).factorize(csc_matrix([[-4.0]]))
