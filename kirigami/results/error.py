@@ -44,8 +44,9 @@ if TYPE_CHECKING:
 
 SAFETY = 1.5  # times the estimate of the force
 AREA_SAFETY, HEIGHT_SAFETY = 1.3, 1.75  # the same of the open area, and of the height, which bifurcations magnify
+FACET_AREA_SAFETY, FACET_HEIGHT_SAFETY = 2.35, 2.2  # the same of flat facets
 BARS_SAFETY = 1.0  # the same of the force of bars and hinges
-BARS_AREA_SAFETY, BARS_HEIGHT_SAFETY = 1.3, 1.3
+BARS_AREA_SAFETY, BARS_HEIGHT_SAFETY = 1.5, 1.3
 CANCELLED = 0.3  # share of what cancels over the sheet that is counted all the same
 ENERGIES, DUALS = 10, 4  # steps that are looked at, and steps whose tangent is factored; the others lie between
 CORNER = np.radians(30.0)  # turn of the rim of a cut at a node from which on it is a corner of it
@@ -242,11 +243,18 @@ def _of_goals(recovery: Recovery, step: Step, goals: list[_Goal]) -> list[tuple[
             if recovery.patterned:
                 together = _work(recovery, _mixed(smooth, fields), _mixed(smooth_rate, rate)) - borne_work
                 both = abs(together) + cancelled
-        high = goal is _heights
-        safety = HEIGHT_SAFETY if high else AREA_SAFETY
-        of_bars = BARS_HEIGHT_SAFETY if high else BARS_AREA_SAFETY
-        found.append(((of_bars if recovery.patterned else safety) * both, safety * mesh, safety * rung))
+        own, of_both = _safeties(recovery, goal is _heights)
+        found.append((of_both * both, own * mesh, own * rung))
     return found
+
+
+def _safeties(recovery: Recovery, high: bool) -> tuple[float, float]:
+    """Times the parts of mesh and rung of an area or a height, and times what they come to together."""
+    if recovery.patterned:
+        return (HEIGHT_SAFETY, BARS_HEIGHT_SAFETY) if high else (AREA_SAFETY, BARS_AREA_SAFETY)
+    if recovery.shell is None:
+        return (FACET_HEIGHT_SAFETY,) * 2 if high else (FACET_AREA_SAFETY,) * 2
+    return (HEIGHT_SAFETY,) * 2 if high else (AREA_SAFETY,) * 2
 
 
 def _borne(recovery: Recovery, state: SheetState, rate: Array) -> float:
