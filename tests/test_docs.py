@@ -51,6 +51,12 @@ def test_links_lead_somewhere(page: Path) -> None:
             assert heading in anchors, f"{page.name}: {there} has no heading {heading}"
 
 
+@pytest.mark.parametrize("page", [*WRITTEN, ROOT / "CHANGELOG.md"], ids=lambda page: page.name)
+def test_headings_hold_no_links(page: Path) -> None:
+    """They stand in the contents of the site, where a link to a file of the repository ends the build with a KeyError."""
+    assert not re.findall(r"^#+ .*\]\(.*$", page.read_text(encoding="utf-8"), re.MULTILINE)
+
+
 @pytest.mark.parametrize("page", WRITTEN, ids=[page.name for page in WRITTEN])
 def test_pages_say_something_without_a_build(page: Path) -> None:
     """What a code host shows of a page is more than a headline, and none of it was written for the site's builder."""

@@ -24,12 +24,12 @@ import numpy as np
 
 import kirigami
 from kirigami.plot import style
+from kirigami.study.accuracy_picture import LOOKS
 
 ROOT = Path(__file__).parent.parent
 FOLDER = ROOT / "tests" / "validation"
 ROWS, PAGE, PICTURES = ROOT / "docs" / "validation.csv", ROOT / "docs" / "validation.md", ROOT / "docs" / "images"
 RUNGS = ("shell", "facet", "plate", "paper", "bars")
-COLOURS = dict(zip(RUNGS, (style.BLUE, style.VERMILION, style.GREEN, "#cc79a7", style.BLUE)))
 HEADINGS = {
     "macneal_harder": "MacNeal and Harder",
     "sze": "Sze, Liu and Lo",
@@ -74,17 +74,17 @@ def draw(source: str, case: Any, outcomes: dict[str, Any]) -> None:
     grow = 1.0 if np.abs(u).max() > 0.02 * size else 0.15 * size / max(np.abs(u).max(), 1e-300)
     at = rest + grow * u
     shape.plot_trisurf(*at.T, triangles=facets, color=style.PALE, edgecolor=style.GREY, linewidth=0.2)
-    shape.set_box_aspect(np.maximum(np.ptp(at, axis=0), 0.05 * size), zoom=1.25)
-    shape.view_init(*style.DEFAULT_VIEW)
-    shape.set_axis_off()
+    in_plane = np.ptp(at[:, 2]) < 1e-6 * size
+    style.frame_solid(shape, at, (90.0, -90.0) if in_plane else style.DEFAULT_VIEW)
     if curve:
         axes = figure.add_subplot(1, 2, 2)
         wanted = np.atleast_2d(np.asarray(case.reference, float).T).T
-        for rung, outcome in outcomes.items():
+        for number, (rung, outcome) in enumerate(outcomes.items()):  # the best rung before the others
             found = np.asarray(outcome.found.values, float).reshape(wanted.shape)
+            look = {"color": LOOKS[rung][0], "zorder": 3 - 0.1 * number}
             for k in range(wanted.shape[1]):
-                axes.plot(case.at, found[:, k], color=COLOURS[rung], label=rung if k == 0 else None)
-        axes.plot(case.at, wanted, "o", color=style.INK, markersize=3.5)
+                axes.plot(case.at, found[:, k], label=rung if k == 0 else None, **look)
+        axes.plot(case.at, wanted, "o", color=style.INK, markersize=3.5, zorder=4)
         axes.plot([], [], "o", color=style.INK, markersize=3.5, label="published")
         axes.set_xlabel(case.axis)
         axes.set_ylabel(textwrap.fill(case.quantity, 28))
