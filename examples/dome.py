@@ -66,7 +66,6 @@ def main(folder: Path) -> kg.InverseResult:
     targets = [(("point", tuple(at), "z"), 1.0, height, LIFT) for at, height in zip(points().tolist(), DOME)]
     found = kg.Inverse(disc(), targets, evaluations=15, enough=5e-3, path=folder / "dome.json").run(progress=True)
     print(found.summary())
-    found.plot().savefig(folder / "dome.png", dpi=120)
     case = found.design.export(folder)
     lifted = folder / "lifted"
     subprocess.run(
@@ -74,6 +73,10 @@ def main(folder: Path) -> kg.InverseResult:
     )
     res = kg.load(lifted / "results.npz")
     assert res.mesh is not None
+    figure = found.plot()
+    free = figure.add_subplot(2, 3, 6, projection="3d")
+    res.plot(ax=free, colorbar=False).set_title("lifted, from the drawing", fontsize=9)
+    figure.savefig(folder / "dome.png", dpi=120)
     reached = LinearNDInterpolator(res.mesh.nodes[:, :2], res.position()[-1, :, 2])(points())
     off = float(np.abs(reached - DOME).max() / LIFT)
     print("wanted [mm]:", (1e3 * DOME).round(3), " lifted from the drawing [mm]:", (1e3 * reached).round(3))

@@ -58,13 +58,17 @@ def main(folder: Path) -> kg.InverseResult:
     found = problem.run(progress=True)
     print(found.summary())
     print("forces of the answer on the finer mesh [N]:", np.round(found.reached, 3))
-    found.plot().savefig(folder / "ribbon.png", dpi=120)
     case = found.design.export(folder)
     pulled = folder / "pulled"
     subprocess.run(
         [sys.executable, "-m", "kirigami.cli", "stretch", str(case), "--folder", str(pulled), "--quiet"], check=True
     )
-    again = forces(kg.load(pulled / "results.npz"))
+    res = kg.load(pulled / "results.npz")
+    again = forces(res)
+    figure = found.plot()
+    free = figure.add_subplot(2, 3, 6, projection="3d")
+    res.plot(ax=free, colorbar=False).set_title("pulled, from the drawing", fontsize=9)
+    figure.savefig(folder / "ribbon.png", dpi=120)
     off = float(np.abs(again / PLATEAU - 1).max())
     print("pulled from the drawing [N]:", again.round(3))
     print(f"the run of the drawing is within {100 * off:.2g} % of it")

@@ -49,13 +49,17 @@ def main(folder: Path) -> kg.InverseResult:
     targets = [(("open_area", [row]), 1.0, area, max(OPEN)) for row, area in enumerate(OPEN)]
     found = kg.Inverse(panel(), targets, evaluations=15, enough=5e-3, path=folder / "facade.json").run(progress=True)
     print(found.summary())
-    found.plot().savefig(folder / "facade.png", dpi=120)
     case = found.design.export(folder)
     pulled = folder / "pulled"
     subprocess.run(
         [sys.executable, "-m", "kirigami.cli", "stretch", str(case), "--folder", str(pulled), "--quiet"], check=True
     )
-    reached = np.sort(kg.load(pulled / "results.npz").open_area()[-1])  # a reader may order cuts anew
+    res = kg.load(pulled / "results.npz")
+    reached = np.sort(res.open_area()[-1])  # a reader may order cuts anew
+    figure = found.plot()
+    free = figure.add_subplot(2, 3, 6, projection="3d")
+    res.plot(ax=free, colorbar=False).set_title("pulled, from the drawing", fontsize=9)
+    figure.savefig(folder / "facade.png", dpi=120)
     off = float(np.abs(reached - OPEN).max() / max(OPEN))
     print("wanted [mm2]:", np.multiply(OPEN, 1e6), " pulled from the drawing [mm2]:", (1e6 * reached).round(1))
     print(f"the run of the drawing is within {100 * off:.2g} % of the largest opening")

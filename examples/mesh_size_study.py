@@ -146,8 +146,8 @@ def picture(found: list[Meshed], path: str) -> None:
         for place, one in zip(np.linspace(0, 0.75, 4), shown):
             ax = figure.add_axes([place, 0.55, 0.24, 0.4], projection="3d")
             step = int(np.argmin(np.abs(one.pulled.strain - SHOWN)))
-            one.pulled.results.plot(step, ax=ax, view=(34, -58), colorbar=False)
-            ax.collections[0].set(edgecolor="#33333380", linewidth=0.25)  # every edge, thin
+            one.pulled.results.plot(step, ax=ax, view=(34, -58), colorbar=False, edges="all")
+            ax.collections[0].set_linewidth(0.25)
             title = f"$L_{{max}}$ = {one.max_edge:g}, {one.facets} facets"
             figure.text(place + 0.12, 0.955, title, ha="center", color=INK)
         colors = pyplot.get_cmap("viridis_r")(np.linspace(0.08, 1, len(found)))
@@ -178,6 +178,9 @@ def picture(found: list[Meshed], path: str) -> None:
         ax.set_xticks([2000, 4000] if max(facets) > 4000 else [1500, 3000], minor=False)
         ax.xaxis.set_major_formatter("{x:.0f}")
         ax.xaxis.set_minor_formatter("")
+        ax.set_yticks([one for one in (2, 5, 10, 20, 50, 100) if min(seconds) <= one <= max(seconds)], minor=False)
+        ax.yaxis.set_major_formatter("{x:.0f}")
+        ax.yaxis.set_minor_formatter("")
         figure.savefig(path, dpi=130)
 
 

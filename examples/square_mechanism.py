@@ -12,6 +12,7 @@ from itertools import product
 from math import cos, sin
 
 import kirigami as kg
+from kirigami.plot import style
 
 SIDE, HINGE, START, END = 1.0, 1.0, 0.2, 0.6  # l, k, phi_0 and phi [rad]
 
@@ -47,6 +48,12 @@ def block() -> tuple[kg.Model, list[kg.Node], list[kg.Node]]:
     return m, by_x[:2], by_x[-2:]
 
 
+def squares(m: kg.Model) -> list[list[int]]:
+    """Nodes of each square, round it: those of its first four bars, before its two diagonals."""
+    bars = m.index([node for bar in m.elements if isinstance(bar, kg.Bar) for node in bar.nodes]).reshape(-1, 6, 2)
+    return [four[:4, 0].tolist() for four in bars]
+
+
 def main(pictures: bool = False) -> float:
     """Force over its closed form."""
     m, left, right = block()
@@ -54,7 +61,11 @@ def main(pictures: bool = False) -> float:
     res = kg.DisplacementControl(m).run()
     if pictures:
         m.plot().figure.savefig("square_mechanism.png")
-        res.plot(color="none").figure.savefig("square_mechanism_open.png")
+        ax = res.plot(color="none")
+        for square in squares(m):
+            ax.fill(*res.rest[square, :2].T, color=style.PALE, alpha=0.5, zorder=0.5)
+            ax.fill(*res.position()[-1, square, :2].T, color=style.BLUE, alpha=0.4, zorder=1.5)
+        ax.figure.savefig("square_mechanism_open.png")
         res.animate("square_mechanism.gif", color="none")
     return float(res.reaction(right, "x")[-1]) / (8 * HINGE * (END - START) / (SIDE * (cos(END) - sin(END))))
 

@@ -53,7 +53,7 @@ def test_links_lead_somewhere(page: Path) -> None:
 
 @pytest.mark.parametrize("page", [*WRITTEN, ROOT / "CHANGELOG.md"], ids=lambda page: page.name)
 def test_headings_hold_no_links(page: Path) -> None:
-    """They stand in the contents of the site, where a link to a file of the repository ends the build with a KeyError."""
+    """They stand in the contents of the site, where a link to a file of the repository ends the build."""
     assert not re.findall(r"^#+ .*\]\(.*$", page.read_text(encoding="utf-8"), re.MULTILINE)
 
 

@@ -17,6 +17,8 @@ if TYPE_CHECKING:
     from kirigami.primitives.kernel import Array
     from kirigami.results.gradients.equilibrium import Equilibrium
 
+ABREAST = 3  # panels in a row, so that a page can hold them
+
 
 @style.styled
 def plot_result(result: InverseResult) -> Figure:
@@ -36,9 +38,13 @@ def plot_result(result: InverseResult) -> Figure:
     curves = [number for number, lam in enumerate(result.lam) if len(lam) > 1]
     points = [number for number, lam in enumerate(result.lam) if len(lam) == 1]
     shown = result.thicker is not None
-    columns = len(curves) + bool(points) + 3 + shown
-    figure = Figure(figsize=(3.2 * columns, 3.2), layout="constrained")
-    axes: Any = np.atleast_1d(figure.subplots(1, columns))
+    panels = len(curves) + bool(points) + 3 + shown
+    rows = -(-panels // ABREAST)
+    columns = -(-panels // rows)
+    figure = Figure(figsize=(3.4 * columns, 3.2 * rows), layout="constrained")
+    axes: Any = figure.subplots(rows, columns, squeeze=False).ravel()
+    for idle in axes[panels:]:
+        idle.set_axis_off()
     for number, ax in zip(curves, axes):
         _curve(ax, result, number)
     if points:
@@ -49,7 +55,7 @@ def plot_result(result: InverseResult) -> Figure:
         ax.set_title(title)
     if shown:
         _thicker(sheets[2], result)
-    _changes(axes[-1], result)
+    _changes(axes[panels - 1], result)
     return figure
 
 
