@@ -83,6 +83,6 @@ def deferred_methods():
                         yield cls, name
 
 
-@pytest.mark.parametrize("cls, name", deferred_methods())
+@pytest.mark.parametrize("cls, name", list(deferred_methods()))
 def test_deferred_names_exist(cls, name):
     assert callable(getattr(cls, name)) and getattr(cls, name).__doc__

@@ -5,6 +5,7 @@ from __future__ import annotations
 import ast
 import builtins
 import configparser
+import csv
 import doctest
 import re
 import sys
@@ -140,6 +141,29 @@ def test_every_package_that_is_asked_for_has_its_licence_told() -> None:
     told = set(re.findall(r"^\| `([\w-]+)` \|", page, re.MULTILINE))
     names = {re.split(r"[><=!~ ]", line)[0] for lines in asked.values() for line in lines.split("\n") if line}
     assert names - told == set()
+
+
+def test_the_tables_beside_other_codes_are_those_of_the_runs() -> None:
+    """That of the docs digit by digit, that of the README, which leaves out codes and digits, as rounded."""
+    sys.path.insert(0, str(ROOT / "benchmarks"))
+    import peers
+
+    with (ROOT / "benchmarks" / "results" / "peers.csv").open(newline="", encoding="utf-8") as file:
+        measured = peers.shown(list(csv.DictReader(file)))
+    assert measured in (ROOT / "docs" / "speed.md").read_text(encoding="utf-8")
+    rows = [[cell.strip() for cell in line.split("|")[1:-1]] for line in measured.splitlines()[2:]]
+    cases = list(dict.fromkeys(row[0].split(",")[0] for row in rows))
+    codes = list(dict.fromkeys(row[1] for row in rows))[:5]
+    told = re.findall(r"^\| (?:slit|52 slits|strip).* \|$", (ROOT / "README.md").read_text(), re.MULTILINE)
+    assert len(told) == len(cases)
+    for case, line in zip(cases, told):
+        for code, cell in zip(codes, line.split("|")[2:-1], strict=True):
+            ((_, _, error, seconds, *_),) = [row for row in rows if row[0].startswith(case) and row[1] == code]
+            if error == "-":
+                assert cell.strip() == "did not end"
+                continue
+            numbers = [float(number) for number in re.findall(r"[+-]?[\d.]+", cell)]
+            assert numbers == pytest.approx([float(error.split()[0]), float(seconds)], rel=0.03), f"{case}, {code}"
 
 
 def test_the_citation_names_this_version() -> None:
