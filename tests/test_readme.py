@@ -44,6 +44,8 @@ def test_the_script_in_full_runs_unchanged(tmp_path):
     force, area = map(float, re.search(r"force at 4 cm: ([\d.]+) N, open area: ([\d.]+) cm2", printed).groups())
     # The slits open to most of the width they were pulled by, 0.1 m x 0.04 m, and more where the sheet tilts.
     assert 0 < force < 20 and 30 < area < 80
+    (told,) = re.findall(r"([\d.]+) N\. On the right", " ".join((ROOT / "docs/overview.md").read_text().split()))
+    assert force == pytest.approx(float(told), rel=0.05), "another shape than the page tells: tools/ribbon_picture.py"
     assert {p.name for p in tmp_path.iterdir()} == {"ribbon.png", "ribbon_force.png"}
 
 
