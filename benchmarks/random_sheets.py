@@ -45,6 +45,7 @@ from second_residual import residuals
 
 import kirigami as kg
 from kirigami.system.system import System
+from kirigami.words import counted
 
 THICKNESS = 1e-3
 STRETCH = 0.1
@@ -256,7 +257,7 @@ def summary(rows: list[dict[str, Any]]) -> str:
     seconds = [float(row["seconds"]) for row in connected]
     worst = max((float(row["worst_residual"]) for row in rows if row.get("worst_residual")), default=0.0)
     lines = [
-        f"{len(rows)} sheets, {min(nodes, default=0)} to {max(nodes, default=0)} nodes, "
+        f"{counted(len(rows), 'sheet')}, {min(nodes, default=0)} to {max(nodes, default=0)} nodes, "
         f"{sum(float(row['seconds']) for row in rows):.0f} s of processor time",
         f"crashes {count['crash']}, hangs {count['hang']}, stored steps above tolerance {count['wrong step']} "
         f"(worst residual {worst:.2e})",

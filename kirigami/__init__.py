@@ -214,7 +214,8 @@ def __getattr__(name: str) -> Any:
 
         near = nearest_name(name, __all__)
         hint = f": did you mean {near!r}?" if near else ""
-        raise AttributeError(f"module 'kirigami' has no attribute {name!r}{hint}")
+        # Without an object to look at, Python has no hint of its own to add.
+        raise AttributeError(f"module 'kirigami' has no attribute {name!r}{hint}", name=name, obj=None)
     globals()[name] = value
     return value
 

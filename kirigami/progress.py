@@ -7,6 +7,8 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Any
 
+from kirigami.words import counted
+
 
 class ProgressBar:
     """Shows how far a path analysis has come: a tqdm bar where tqdm is installed, else lines of text."""
@@ -41,7 +43,7 @@ class ProgressBar:
         elif share is None:
             self._bar.update(1)
         else:
-            self._bar.set_postfix_str(f"{self._steps} steps", refresh=False)
+            self._bar.set_postfix_str(counted(self._steps, "step"), refresh=False)
             self._bar.update(max(share - self._done, 0.0))
             self._done = max(share, self._done)
 

@@ -13,6 +13,7 @@ import pytest
 import kirigami
 
 FLOORS = [
+    {"words"},
     {"errors", "progress", "version", "moved"},
     {"primitives"},
     {"files", "units"},

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+import subprocess
+import sys
 
 import numpy as np
 import pytest
@@ -243,3 +245,9 @@ def test_failure_carries_the_results():
 def test_a_misspelt_name_is_answered_with_the_right_one():
     with pytest.raises(AttributeError, match="'Nod': did you mean 'Node'"):
         kg.Nod  # noqa: B018
+
+
+def test_the_right_name_is_told_once():
+    """As a person sees it: Python adds a hint of its own to what it prints where it can."""
+    ran = subprocess.run([sys.executable, "-c", "import kirigami as kg; kg.strech"], capture_output=True, text=True)
+    assert ran.returncode and ran.stderr.lower().count("did you mean") == 1 and ran.stderr.count("'stretch'") == 1

@@ -19,6 +19,7 @@ from kirigami.results.step import Step
 from kirigami.results.yielding import YieldWatch
 from kirigami.system.supports import check_floppy
 from kirigami.system.system import System
+from kirigami.words import counted
 
 
 class Analysis:
@@ -85,7 +86,8 @@ class Run:
         if start is not None:
             if start.u.shape[0] != system.points:
                 raise ModelError(
-                    f"start has {start.u.shape[0]} nodes, the model has {system.points}: it is of another model"
+                    f"start has {counted(start.u.shape[0], 'node')}, the model has {system.points}: it is of another "
+                    "model"
                 )
             u = system.joined(start.u, start.inner)
             if start.stage == system.model.stage:

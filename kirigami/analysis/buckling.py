@@ -14,6 +14,7 @@ from kirigami.model.model import Model
 from kirigami.primitives.checks import require_whole
 from kirigami.primitives.kernel import Array, Tangent
 from kirigami.system.system import System
+from kirigami.words import counted
 
 NO_STRESS = 1e-12  # geometric over elastic stiffness, at displacements of a member's length, that is rounding
 
@@ -68,7 +69,10 @@ class Buckling(Analysis):
         require_potential(system, "Buckling")
         system.check_supports()
         if self.n > system.free:
-            raise ModelError(f"Buckling: {self.n} modes asked for, but the model has only {system.free} unknowns")
+            raise ModelError(
+                f"Buckling: {counted(self.n, 'mode')} asked for, but the model has only "
+                f"{counted(system.free, 'unknown')}"
+            )
         rest = np.zeros_like(system.rest)
         blocks, factor = run.first_factor(rest, 0.0)
         forces, _ = system.forces(rest, 0.0)

@@ -15,6 +15,7 @@ from kirigami.primitives.kernel import Array
 from kirigami.results.step import Step
 from kirigami.system.inertia import Inertia
 from kirigami.system.supports import costs_energy, rigid_unknowns
+from kirigami.words import counted
 
 MASSES = ("unit", "consistent", "lumped")
 
@@ -72,7 +73,9 @@ class Eigen(Analysis):
         system = run.system
         require_potential(system, "Eigen")
         if self.n > system.free:
-            raise ModelError(f"Eigen: {self.n} modes asked for, but the model has only {system.free} unknowns")
+            raise ModelError(
+                f"Eigen: {counted(self.n, 'mode')} asked for, but the model has only {counted(system.free, 'unknown')}"
+            )
         u, lam = np.zeros_like(system.rest), 0.0
         if self.about is not None:
             u, lam = system.joined(self.about.u, self.about.inner), self.about.lam
@@ -83,7 +86,10 @@ class Eigen(Analysis):
         del inertia
         massive = int(np.count_nonzero(mass.diagonal()))
         if self.n > massive:
-            raise ModelError(f"Eigen: {self.n} modes asked for, but only {massive} unknowns of the model have mass")
+            raise ModelError(
+                f"Eigen: {counted(self.n, 'mode')} asked for, but only {counted(massive, 'unknown')} of the model have "
+                "mass"
+            )
         with system.clock("eigenpairs"):
             rigid = rigid_unknowns(system, u, matrix)
             values, vectors = lowest_eigenpairs(
@@ -104,5 +110,5 @@ class Eigen(Analysis):
             return np.ones(n) if self.mass == "unit" else self.mass
         given = self.mass
         if given.shape != (n,) or not np.isfinite(given).all() or np.any(given <= 0):
-            raise ModelError(f"Eigen: mass must be one positive number for each of the {n} nodes")
+            raise ModelError(f"Eigen: mass must be one positive number for each of the {counted(n, 'node')}")
         return given

@@ -14,6 +14,7 @@ from kirigami.primitives.kernel import Array
 from kirigami.results.results import Results
 from kirigami.results.step import Step
 from kirigami.system.system import System
+from kirigami.words import counted
 
 UNTIMED = "modes of unit masses have no frequency: ask for them with Eigen(model, mass='consistent')"
 
@@ -130,7 +131,7 @@ class Modes:
         return (self[index] for index in range(len(self)))
 
     def __repr__(self) -> str:
-        return f"<{len(self)} modes, values {self.values[0]:.6g} to {self.values[-1]:.6g}>"
+        return f"<{counted(len(self), 'mode')}, values {self.values[0]:.6g} to {self.values[-1]:.6g}>"
 
 
 def frequencies(values: Array, timed: bool) -> Array:

@@ -18,6 +18,7 @@ from kirigami.results.results import Results
 from kirigami.results.step import Event, Step
 from kirigami.results.touching import note_contacts
 from kirigami.system.system import System
+from kirigami.words import counted
 
 Recorder = Callable[[Step], None]
 
@@ -123,7 +124,7 @@ class Resumable(Analysis):
             except KeyboardInterrupt:
                 self._write(walk)
                 lam = results.steps[-1].lam if results.steps else 0.0
-                message = f"interrupted after {len(results)} steps at {walk.where()}"
+                message = f"interrupted after {counted(len(results), 'step')} at {walk.where()}"
                 results.events.append(Event("interrupted", lam, len(results) - 1, message))
                 warnings.warn(message, KirigamiWarning, stacklevel=2)
             except ConvergenceError as error:

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from kirigami.cli.options import add_command, add_reading, print_json, quantity, reading, speaker
+from kirigami.words import counted
 
 DESCRIPTION = """\
 Turn results or a drawing into other kinds of files, by the endings of their names.
@@ -84,7 +85,7 @@ def run(options: argparse.Namespace) -> int:
             color=options.color, view=options.view, frames=options.frames, kerf=options.kerf or 0.0, **reading(options),
         )  # fmt: skip
         files += map(str, written)
-        beside = f" and {len(written) - 1} files beside it" if len(written) > 1 else ""
+        beside = f" and {counted(len(written) - 1, 'file')} beside it" if len(written) > 1 else ""
         say(f"Written to {written[-1]}{beside}")
     print_json(options, {"files": files})
     return 0

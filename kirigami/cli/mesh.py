@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from kirigami.cli.options import add_command, add_reading, print_json, quantity, reading, speaker
+from kirigami.words import counted
 
 DESCRIPTION = """\
 Mesh a drawing with triangles, open along its slits, and say how good the mesh is. With --output,
@@ -53,7 +54,7 @@ def run(options: argparse.Namespace) -> int:
     }
     shortest, longest = (units.show(numbers[name], "length") for name in ("shortest_edge", "longest_edge"))
     say(f"nodes {numbers['nodes']}, facets {numbers['facets']}, cuts {numbers['cuts']}")
-    say(f"edges {shortest} to {longest}, smallest angle {numbers['smallest_angle']:.3g} degrees")
+    say(f"edges {shortest} to {longest}, smallest angle {counted(numbers['smallest_angle'], 'degree', spec='.3g')}")
     if mesh.sizing is not None:
         say(str(mesh.sizing))
     say(f"area {numbers['area']:.6g} m2")

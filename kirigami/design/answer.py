@@ -7,6 +7,7 @@ from typing import Any
 
 from kirigami.deferred import deferred
 from kirigami.primitives.kernel import Array
+from kirigami.words import counted
 
 
 @dataclass
@@ -87,7 +88,8 @@ class InverseResult:
         lines = [
             f"{self.status}: {told}",
             self.message,
-            f"{self.evaluations} designs tried, {self.walks} walks from flat, {self.factorizations} factorisations",
+            f"{counted(self.evaluations, 'design')} tried, {counted(self.walks, 'walk')} from flat, "
+            f"{counted(self.factorizations, 'factorisation')}",
             f"error {self.coarse_error:.2e} on the design's mesh"
             + (f", {self.error:.2e} on a finer one" if len(self.reached) else ", not walked on a finer mesh")
             + (": verified" if self.verified else ": not verified"),

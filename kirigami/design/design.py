@@ -37,6 +37,7 @@ from kirigami.results.gradients.equilibrium import Adjoint
 from kirigami.results.results import Results
 from kirigami.study.load_case import LoadCase
 from kirigami.study.setting import set_up
+from kirigami.words import counted
 
 
 class Design:
@@ -201,7 +202,8 @@ class Design:
         moved = self._with(given)
         if moved.mesh.min_angle < POOR:
             warnings.warn(
-                f"Design.at: the smallest angle of the moved mesh is {moved.mesh.min_angle:.3g} degrees; remeshed() "
+                "Design.at: the smallest angle of the moved mesh is "
+                f"{counted(moved.mesh.min_angle, 'degree', spec='.3g')}; remeshed() "
                 "makes a new one",
                 KirigamiWarning,
                 stacklevel=2,
@@ -416,7 +418,7 @@ class Design:
         kept = {name: self._made[name] for name in ("thickness", "material") if not callable(self._made[name])}
         kept |= {"stiffness": self.stiffness, "imperfection": self._amplitude, "seed": self._seed}
         same = ", ".join(f"{name}={shown(value)}" for name, value in kept.items() if value is not None)
-        return f"Design({told}; {len(self._reference_mesh.nodes)} nodes, {same})"
+        return f"Design({told}; {counted(len(self._reference_mesh.nodes), 'node')}, {same})"
 
 
 def lines_of(sheet: Sheet) -> tuple[Any, ...]:

@@ -68,11 +68,6 @@ def lines_of(curves: Sequence[Curve]) -> NDArray[np.object_]:
     return lines
 
 
-def counted(number: int, what: str) -> str:
-    """A number of things in words: "1 curve", "2 curves"."""
-    return f"{number} {what}{'' if number == 1 else 's'}"
-
-
 def scale_of(unit: str, drawn_in: str | None, stated: str | None, notes: list[str]) -> tuple[float, str]:
     """Factor from drawn numbers to the wanted unit, and the unit of the result; says what it assumes."""
     metres_per(unit)  # refused here, whether it is used or not

@@ -12,7 +12,7 @@ import numpy as np
 import shapely
 
 from kirigami.drawing.arcs import circles_of
-from kirigami.drawing.curves import Curve, Floats, counted, lines_of
+from kirigami.drawing.curves import Curve, Floats, lines_of
 from kirigami.drawing.gaps import short_of
 from kirigami.drawing.joining import chained, led_together, without_doubles, without_specks
 from kirigami.drawing.measure import Measure
@@ -30,6 +30,7 @@ from kirigami.primitives.checks import (
     shown,
 )
 from kirigami.units import metres_per, parse
+from kirigami.words import counted
 
 if TYPE_CHECKING:
     from kirigami.geometry.sheet import Sheet

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from kirigami.drawing.arcs import circles_of
-from kirigami.drawing.curves import Curve, Floats, all_at_once, counted, flattened, scale_of, scaled
+from kirigami.drawing.curves import Curve, Floats, all_at_once, flattened, scale_of, scaled
 from kirigami.drawing.drawing import Drawing, assemble
 from kirigami.drawing.dxf_entities import COLORS as INDEX_COLORS
 from kirigami.drawing.dxf_entities import Reader, source_of, unreadable
@@ -23,6 +23,7 @@ from kirigami.errors import GeometryError, KirigamiWarning
 from kirigami.files import library, whole_file
 from kirigami.primitives.checks import require_between, require_choice, require_path
 from kirigami.units import metres_per
+from kirigami.words import counted
 
 INSUNITS = {1: "in", 2: "ft", 4: "mm", 5: "cm", 6: "m", 7: "km", 9: "mil", 12: "nm", 13: "um", 14: "dm"}
 

@@ -14,7 +14,7 @@ import numpy as np
 import shapely
 from numpy.typing import ArrayLike
 
-from kirigami.drawing.curves import Curve, counted, scale_of, scaled
+from kirigami.drawing.curves import Curve, scale_of, scaled
 from kirigami.drawing.drawing import Drawing, assemble
 from kirigami.drawing.fold_frames import frame_of, pattern_of
 from kirigami.drawing.roles import Names, Roles
@@ -25,6 +25,7 @@ from kirigami.geometry.folds import fold_angles
 from kirigami.geometry.mesh import TriMesh
 from kirigami.primitives.checks import require_array, require_path
 from kirigami.units import metres_per
+from kirigami.words import counted
 
 ROLES = {"B": "outline", "C": "cut", "M": "mountain fold", "V": "valley fold", "U": "fold"}  # F, J: no line to act on
 SIDES = {"M": -1.0, "V": 1.0}

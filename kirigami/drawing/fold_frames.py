@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from kirigami.drawing.curves import Floats
 from kirigami.errors import GeometryError
 from kirigami.primitives.checks import require_whole
+from kirigami.words import counted
 
 Integers = NDArray[np.int64]
 
@@ -90,7 +91,9 @@ def pattern_of(frame: dict[str, Any], path: Any) -> Pattern:
         raise GeometryError(f"{path}: vertices_coords or edges_vertices hold no numbers ({error})") from None
     letters = [str(letter).upper() for letter in frame.get("edges_assignment") or []] or ["U"] * len(edges)
     if len(letters) != len(edges):
-        raise GeometryError(f"{path}: {len(edges)} edges, but {len(letters)} values in edges_assignment")
+        raise GeometryError(
+            f"{path}: {counted(len(edges), 'edge')}, but {counted(len(letters), 'value')} in edges_assignment"
+        )
     wrong = np.flatnonzero((edges < 0).any(axis=1) | (edges >= len(points)).any(axis=1))
     if wrong.size:
         raise GeometryError(f"{path}: edge {wrong[0]} names a vertex beyond 0 .. {len(points) - 1}")
@@ -110,7 +113,7 @@ def _angles(frame: dict[str, Any], count: int, path: Any) -> list[float]:
     """How far each edge is folded in the end; of a flat frame without angles each as far as the others."""
     given = frame.get("edges_foldAngle") or []
     if given and len(given) != count:
-        raise GeometryError(f"{path}: {count} edges, but {len(given)} values in edges_foldAngle")
+        raise GeometryError(f"{path}: {counted(count, 'edge')}, but {counted(len(given), 'value')} in edges_foldAngle")
     try:
         degrees = np.array([0.0 if value is None else abs(float(value)) for value in given])
     except (TypeError, ValueError, OverflowError) as error:

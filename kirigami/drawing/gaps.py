@@ -9,11 +9,12 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from kirigami.drawing.curves import Curve, Floats, counted, lines_of
+from kirigami.drawing.curves import Curve, Floats, lines_of
 from kirigami.drawing.joining import chained, led_together, open_ends
 from kirigami.drawing.measure import Measure
 from kirigami.drawing.network import network
 from kirigami.errors import GeometryError
+from kirigami.words import counted
 
 WIDEST = 0.05  # of the size of the drawing: no gap that anybody meant to close is wider
 STEPS = 12  # of the search between the tolerance and the widest gap

@@ -21,6 +21,7 @@ from kirigami.errors import GeometryError, KirigamiWarning
 from kirigami.files import read_json, whole_file
 from kirigami.primitives.checks import require_path
 from kirigami.units import metres_per
+from kirigami.words import counted
 
 DEGREES = ("CRS84", "EPSG::4326", "EPSG:4326")  # coordinate systems of longitude and latitude
 ROLE_KEYS = ("role", "layer", "Layer", "name")  # the property of a feature that names its layer, first match
@@ -92,7 +93,7 @@ def read_geojson(
         features = [{"geometry": data}]
     else:
         raise GeometryError(f"{path} is no GeoJSON: it has no features and no geometry")
-    notes = [f"{path.name}: GeoJSON with {len(features)} features"]
+    notes = [f"{path.name}: GeoJSON with {counted(len(features), 'feature')}"]
     frame = data.get("crs")
     if isinstance(frame, dict) and any(name in str(frame) for name in DEGREES):
         text = "the coordinates are degrees of longitude and latitude, not lengths: project the drawing first"

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from kirigami.drawing.curves import Curve, Floats, lines_of
 from kirigami.errors import KirigamiWarning
+from kirigami.words import counted
 
 ROUNDING = 1e-9  # of the tolerance: what ends are moved by less is not told
 
@@ -22,7 +23,7 @@ def without_specks(curves: Sequence[Curve], gap: float, notes: list[str]) -> lis
     short = [curve for curve, length in zip(curves, shapely.length(lines_of(curves))) if not length > 1e-3 * gap]
     if short:
         few = ", ".join(curve.source for curve in short[:3]) + (" ..." if len(short) > 3 else "")
-        notes.append(f"{len(short)} curves without length dropped: {few}")
+        notes.append(f"{counted(len(short), 'curve')} without length dropped: {few}")
     dropped = set(map(id, short))
     return [curve for curve in curves if id(curve) not in dropped]
 
@@ -44,7 +45,7 @@ def without_doubles(curves: Sequence[Curve], gap: float, notes: list[str]) -> li
     if dropped:
         pairs = [f"{curves[other].source} on {curves[one].source}" for other, one in list(dropped.items())[:3]]
         more = f" and {len(dropped) - 3} more" if len(dropped) > 3 else ""
-        text = f"{len(dropped)} curves drawn twice, dropped: {', '.join(pairs)}{more}"
+        text = f"{counted(len(dropped), 'curve')} drawn twice, dropped: {', '.join(pairs)}{more}"
         warnings.warn(text, KirigamiWarning, stacklevel=4)
         notes.append(text)
     return [curve for number, curve in enumerate(curves) if number not in dropped]
@@ -219,5 +220,5 @@ def chained(curves: Sequence[Curve], gap: float, notes: list[str]) -> list[Curve
         found[number] = replace(curves[number], points=points, bow=np.concatenate(bows), numbers=numbers)
     real = [value for value in gaps if value > 1e-5 * gap]
     if real:
-        notes.append(f"{len(real)} gaps between ends closed, the widest {max(real):.3g}")
+        notes.append(f"{counted(len(real), 'gap')} between ends closed, the widest {max(real):.3g}")
     return [found[number] for number in sorted(found)]

@@ -8,12 +8,13 @@ from typing import Any
 
 import shapely
 
-from kirigami.drawing.curves import Curve, counted
+from kirigami.drawing.curves import Curve
 from kirigami.drawing.joining import chained
 from kirigami.drawing.measure import Measure
 from kirigami.drawing.rim import crossing_text
 from kirigami.drawing.roles import Names, color_name, listed
 from kirigami.errors import GeometryError
+from kirigami.words import counted
 
 
 def drawn_regions(

@@ -10,11 +10,12 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from kirigami.drawing.curves import Curve, counted, lines_of
+from kirigami.drawing.curves import Curve, lines_of
 from kirigami.drawing.gaps import gap_error, open_outline
 from kirigami.drawing.measure import Measure
 from kirigami.drawing.network import Network, network
 from kirigami.errors import GeometryError
+from kirigami.words import counted
 
 NODING = 0.02  # of the tolerance, to which ends were joined before: only rounding is left to be snapped
 LARGE = 0.1  # of the largest part: a part that somebody may want
@@ -166,7 +167,8 @@ def _picked(blobs: list[Any], part: int | None, measure: Measure) -> Any:
     )
     if part is None and len(large) > 1:
         raise GeometryError(
-            f"{len(large)} outlines lie side by side ({told}): draw one sheet in a file, or take one with `part=1`"
+            f"{counted(len(large), 'outline')} lie side by side ({told}): draw one sheet in a file, or take one with "
+            "`part=1`"
         )
     if part is not None and len(large) > 1:
         if not 1 <= part <= len(large):

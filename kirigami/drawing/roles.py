@@ -9,9 +9,10 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 
-from kirigami.drawing.curves import Curve, counted
+from kirigami.drawing.curves import Curve
 from kirigami.errors import GeometryError
 from kirigami.primitives.checks import require_items, require_text
+from kirigami.words import counted
 
 Names = str | Iterable[str] | None
 
@@ -132,8 +133,8 @@ class Roles:
             told = ", ".join(f"{name} ({number})" for name, number in colors.most_common(6))
             first, *others = (name for name, _ in colors.most_common(6))
             raise GeometryError(
-                f"lines of {len(colors)} colours inside the outline, and nothing says which are cut and which are "
-                f"folded: {told}; name them, for example `cuts={first}` "
+                f"lines of {counted(len(colors), 'colour')} inside the outline, and nothing says which are cut and "
+                f"which are folded: {told}; name them, for example `cuts={first}` "
                 + " ".join(f"`folds={name}`" for name in others)
                 + f" (or `ignore={others[-1]}`, or `cuts` for each of them)"
             )

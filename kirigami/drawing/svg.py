@@ -14,7 +14,7 @@ from xml.etree import ElementTree
 
 import numpy as np
 
-from kirigami.drawing.curves import Curve, Floats, all_at_once, counted, flattened, scaled
+from kirigami.drawing.curves import Curve, Floats, all_at_once, flattened, scaled
 from kirigami.drawing.drawing import Drawing, assemble
 from kirigami.drawing.roles import Names, Roles, role_of_name
 from kirigami.drawing.strokes import Stroke, strokes
@@ -25,6 +25,7 @@ from kirigami.errors import GeometryError
 from kirigami.files import library, whole_file
 from kirigami.primitives.checks import require_between, require_choice, require_path
 from kirigami.units import metres_per
+from kirigami.words import counted
 
 LABEL = "{http://www.inkscape.org/namespaces/inkscape}label"
 HIDDEN = "neither painted nor visible"

@@ -10,11 +10,12 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from kirigami.drawing.curves import Curve, counted, lines_of
+from kirigami.drawing.curves import Curve, lines_of
 from kirigami.drawing.measure import Measure
 from kirigami.drawing.network import Network, network
 from kirigami.drawing.rim import NODING
 from kirigami.errors import GeometryError
+from kirigami.words import counted
 
 SCRAP = 0.1  # of the sheet: a piece at the rim as small as this falls out, a larger one may be wanted
 SPECK = 1e-9  # of the sheet: what is smaller has come from rounding
@@ -162,7 +163,10 @@ def without_scrap(
         doubtful = [slits[k] for k in touching if slits[k].role != "cut"]
         names = sorted({name for slit in doubtful for name in [slit.layer or slit.color] if name})
         option = " (" + ", ".join(f"`folds={name!r}`" for name in names[:3]) + ")" if names else ""
-        text = f"the cuts sever the sheet into {len(large)} parts ({told}): shorten a cut, say that it is a fold"
+        text = (
+            f"the cuts sever the sheet into {counted(len(large), 'part')} ({told}): shorten a cut, say that it is a "
+            "fold"
+        )
         return Whole(rim, list(slits), [], [f"{text}{option}, or keep one part with `part=1`"])
     if len(large) > 1 and part is not None and not 1 <= part <= len(large):
         raise GeometryError(f"there is no part {part}: {told}")

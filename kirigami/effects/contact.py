@@ -37,6 +37,7 @@ from kirigami.primitives.checks import require_finite, require_instance, require
 from kirigami.primitives.kernel import EXACT, Array, Contribution, Kernel, Tangent
 from kirigami.primitives.node import Node, listed
 from kirigami.primitives.parts import ModelObject, Numbering
+from kirigami.words import counted
 
 STIFFER = 100.0  # default stiffness over the largest that an element gives the node at rest
 LAYER = 1e-3  # default layer over the median distance of the nodes from their neighbours
@@ -172,7 +173,7 @@ class Contact(ModelObject):
         )  # fmt: skip
 
     def __repr__(self) -> str:
-        return f"Contact({len(self.group)} nodes, {self.surface})"
+        return f"Contact({counted(len(self.group), 'node')}, {self.surface})"
 
 
 def _of(kernel: ContactKernel, which: NDArray[np.bool_]) -> dict[str, Any]:

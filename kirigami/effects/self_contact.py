@@ -32,6 +32,7 @@ from kirigami.primitives.checks import require_instance, require_items, require_
 from kirigami.primitives.kernel import EXACT, Array, Contribution, Kernel, Tangent
 from kirigami.primitives.node import Node
 from kirigami.primitives.parts import ModelObject, Numbering
+from kirigami.words import counted
 
 LAYER = 0.25  # layer over the thickness
 OF_EDGES = 0.25  # largest layer over the median edge
@@ -156,7 +157,7 @@ class SelfContact(ModelObject):
 
     def __repr__(self) -> str:
         given = [f"{name}={value}" for name, value in vars(self).items() if name != "obstacles" and value]
-        given += [f"{len(self.obstacles)} obstacles"] * bool(self.obstacles)
+        given += [counted(len(self.obstacles), "obstacle")] * bool(self.obstacles)
         return f"SelfContact({', '.join(given)})"
 
 
@@ -312,8 +313,8 @@ class SelfContactKernel(Kernel):
         if len(found):
             where = ", ".join("(" + ", ".join(f"{value:.4g}" for value in place) + ")" for place in found[:3])
             raise ModelError(
-                f"{OWNER}: the sheet crosses itself or an obstacle where it starts, at {len(found)} places: {where}; "
-                "a barrier cannot undo that: start from a state, or draw a sheet, that is free of crossings"
+                f"{OWNER}: the sheet crosses itself or an obstacle where it starts, at {counted(len(found), 'place')}: "
+                f"{where}; a barrier cannot undo that: start from a state, or draw a sheet, that is free of crossings"
             )
 
     def check_start(self, x: Array) -> None:

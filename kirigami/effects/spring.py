@@ -17,6 +17,7 @@ from kirigami.primitives.checks import require_array
 from kirigami.primitives.kernel import Array, Contribution, Kernel, displacement_of
 from kirigami.primitives.node import Node, listed
 from kirigami.primitives.parts import ModelObject, Numbering
+from kirigami.words import counted
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False, init=False)
@@ -73,7 +74,7 @@ class Spring(ModelObject):
         return [SpringKernel(numbering.rest, conn, stiffness[members], members)]
 
     def __repr__(self) -> str:
-        return f"Spring({len(self.group)} nodes, stiffness=({', '.join(f'{k:g}' for k in self.stiffness)}))"
+        return f"Spring({counted(len(self.group), 'node')}, stiffness=({', '.join(f'{k:g}' for k in self.stiffness)}))"
 
 
 class SpringKernel(Kernel):

@@ -12,6 +12,7 @@ from kirigami.errors import ModelError
 from kirigami.primitives.checks import require_array, require_finite, require_instance, require_positive
 from kirigami.primitives.kernel import Array
 from kirigami.primitives.node import direction_of, vector_of
+from kirigami.words import counted
 
 
 def _direction(value: ArrayLike, name: str, owner: str) -> tuple[float, float, float]:
@@ -247,7 +248,7 @@ class Moving(Surface):
 
     def __repr__(self) -> str:
         way = ", ".join(f"{part:.4g}" for part in self.shift[-1])
-        turn = f", turned by {self.angle[-1]:.4g} degrees" if any(self.angle) else ""
+        turn = f", turned by {counted(self.angle[-1], 'degree', spec='.4g')}" if any(self.angle) else ""
         return f"Moving({self.surface}, shifted by ({way}){turn})"
 
 

@@ -23,6 +23,7 @@ from kirigami.primitives.kernel import Array, Contribution, Kernel
 from kirigami.primitives.node import Node, listed
 from kirigami.primitives.parts import ModelObject, Numbering
 from kirigami.primitives.rows import EdgeRows
+from kirigami.words import counted
 
 SCORE = 100.0  # thicknesses: width of the strip of sheet that is as stiff as a fold of which nothing is known
 
@@ -106,7 +107,7 @@ class Crease(ModelObject):
         return self.line
 
     def __repr__(self) -> str:
-        return f"Crease({len(self.line)} nodes, stiffness={self.stiffness:.6g})"
+        return f"Crease({counted(len(self.line), 'node')}, stiffness={self.stiffness:.6g})"
 
     @classmethod
     def lower(cls, objects: Sequence[Crease], numbering: Numbering) -> list[Kernel]:

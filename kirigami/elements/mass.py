@@ -13,6 +13,7 @@ from kirigami.primitives.checks import require_positive
 from kirigami.primitives.kernel import Array, Contribution, Kernel
 from kirigami.primitives.node import Node, listed
 from kirigami.primitives.parts import ModelObject, Numbering
+from kirigami.words import counted
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
@@ -62,7 +63,7 @@ class Mass(ModelObject):
         return [MassKernel(numbering.rest, conn, masses)]
 
     def __repr__(self) -> str:
-        return f"Mass({len(self.group)} nodes, {self.mass:g})"
+        return f"Mass({counted(len(self.group), 'node')}, {self.mass:g})"
 
 
 class MassKernel(Kernel):

@@ -21,6 +21,7 @@ from kirigami.geometry.noding import node_lines
 from kirigami.geometry.repairs import OUTLINE, Repairs, names_of
 from kirigami.geometry.topology import pair_numbers, paired_half_edges, regions, signed_areas
 from kirigami.geometry.triangulate import Triangulation, chosen_mesher, triangulate
+from kirigami.words import counted
 
 Integers = NDArray[np.int64]
 Floats = NDArray[np.float64]
@@ -314,14 +315,14 @@ def _largest_part(
         )
 
     if (area[names[1:]] > SCRAP * area[names[0]]).any():
-        descriptions = [f"part {number}: {described(name)}" for number, name in enumerate(names[:6], start=1)]
-        more = [] if len(names) <= 6 else [f"and {len(names) - 6} smaller ones"]
+        described_parts = [f"part {number}: {described(name)}" for number, name in enumerate(names[:6], start=1)]
+        described_parts += [] if len(names) <= 6 else [f"and {counted(len(names) - 6, 'smaller one')}"]
         raise GeometryError(
-            f"the cuts sever the sheet into {len(names)} parts:\n  " + "\n  ".join(descriptions + more) + "\n"
+            f"the cuts sever the sheet into {counted(len(names), 'part')}:\n  " + "\n  ".join(described_parts) + "\n"
             "Shorten a cut, draw a piece that is to fall out as a closed curve (a Polygon), or use `allow_parts=True`."
         )
-    verb = "piece falls" if len(names) == 2 else "pieces fall"
+    fallen = counted(len(names) - 1, "piece falls", "pieces fall")
     pieces = "; ".join(described(name) for name in names[1:4]) + ("; ..." if len(names) > 4 else "")
-    warnings.warn(f"{len(names) - 1} {verb} out: {pieces}", KirigamiWarning, stacklevel=4)
+    warnings.warn(f"{fallen} out: {pieces}", KirigamiWarning, stacklevel=4)
     kept: NDArray[np.bool_] = part == names[0]
     return kept

@@ -26,6 +26,7 @@ from kirigami.primitives.checks import (
     require_whole,
     shown,
 )
+from kirigami.words import counted
 
 Floats = NDArray[np.float64]
 
@@ -298,7 +299,7 @@ def random_slits(
         cuts.append(slit)
         if len(cuts) == count:
             return cuts
-    raise GeometryError(f"found room for {len(cuts)} of {count} slits; make them fewer, shorter or closer")
+    raise GeometryError(f"found room for {len(cuts)} of {counted(count, 'slit')}; make them fewer, shorter or closer")
 
 
 def single_slit_disc(
@@ -429,7 +430,7 @@ def _require_apart(cuts: Sequence[BaseGeometry], advice: str) -> None:
         place = shapely.shortest_line(first, second).coords[0]
         raise GeometryError(
             f"cuts {one[touching[0]]} and {other[touching[0]]} touch at ({place[0]:.6g}, {place[1]:.6g}), and so do "
-            f"{touching.size - 1} more pairs: {advice}"
+            f"{counted(touching.size - 1, 'more pair')}: {advice}"
         )
 
 

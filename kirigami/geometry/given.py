@@ -13,6 +13,7 @@ from shapely.geometry.base import BaseGeometry
 
 from kirigami.errors import GeometryError, KirigamiWarning
 from kirigami.geometry.fold_line import Fold
+from kirigami.words import counted
 
 
 def is_coordinates(item: Any) -> bool:
@@ -32,7 +33,7 @@ def checked_outline(outline: Any) -> shapely.Polygon:
     if isinstance(outline, shapely.MultiPolygon) and len(outline.geoms) == 1:
         outline = outline.geoms[0]
     if not isinstance(outline, shapely.Polygon):
-        parts = f" of {len(outline.geoms)} parts" if hasattr(outline, "geoms") else ""
+        parts = f" of {counted(len(outline.geoms), 'part')}" if hasattr(outline, "geoms") else ""
         raise GeometryError(f"the outline must be one Polygon, not a {outline.geom_type}{parts}")
     checked = checked_line_or_polygon(outline, "the outline")
     assert isinstance(checked, shapely.Polygon)

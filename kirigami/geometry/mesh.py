@@ -35,6 +35,7 @@ from kirigami.primitives.checks import (
     require_text,
 )
 from kirigami.primitives.material import SheetMaterial
+from kirigami.words import counted
 
 if TYPE_CHECKING:
     from kirigami.geometry.sizing import Sizing
@@ -209,8 +210,8 @@ class TriMesh:
         given = require_array(values, name="values", owner="TriMesh.nodal_mean", error=GeometryError)
         if given.shape[:1] != (len(self.triangles),):
             raise GeometryError(
-                f"TriMesh.nodal_mean: values must have a row for each of the {len(self.triangles)} facets, got shape "
-                f"{given.shape}"
+                f"TriMesh.nodal_mean: values must have a row for each of the {counted(len(self.triangles), 'facet')}, "
+                f"got shape {given.shape}"
             )
         per_facet = given.reshape(len(self.triangles), -1)
         total = np.zeros((len(self.nodes), per_facet.shape[1]))
@@ -417,8 +418,8 @@ class TriMesh:
         closed_cuts = sum(not cut.open for cut in self.cuts)
         holes = max(len(self.boundary_loops) - self._outer_loop_count - closed_cuts, 0)
         return (
-            f"TriMesh({len(self.nodes)} nodes, {len(self.triangles)} facets, size {size}, "
-            f"smallest angle {self.min_angle:.3g} deg, {len(self.cuts)} cuts, {holes} holes)"
+            f"TriMesh({counted(len(self.nodes), 'node')}, {counted(len(self.triangles), 'facet')}, size {size}, "
+            f"smallest angle {self.min_angle:.3g} deg, {counted(len(self.cuts), 'cut')}, {counted(holes, 'hole')})"
         )
 
 

@@ -18,6 +18,7 @@ from kirigami.errors import GeometryError, KirigamiWarning
 from kirigami.geometry.mesh import TriMesh
 from kirigami.geometry.topology import area_vectors
 from kirigami.primitives.checks import require_array, require_whole_array
+from kirigami.words import counted
 
 POOR = 15.0  # smallest angle [deg] of a moved mesh that is worth a warning
 ON = 3e-4  # of the size of the sheet: how far off a drawn line a node on it may lie
@@ -125,8 +126,8 @@ def with_nodes(mesh: TriMesh, points: Floats, tell: bool = True) -> TriMesh:
     if tell and made.min_angle < POOR:
         at = made.nodes[made.triangles[int(np.argmin(made.facet_min_angles))], :2].mean(axis=0)
         warnings.warn(
-            f"the smallest angle of the moved mesh is {made.min_angle:.3g} degrees, at ({at[0]:.6g}, {at[1]:.6g}): "
-            "mesh anew from here",
+            f"the smallest angle of the moved mesh is {counted(made.min_angle, 'degree', spec='.3g')}, at "
+            f"({at[0]:.6g}, {at[1]:.6g}): mesh anew from here",
             KirigamiWarning,
             stacklevel=3,
         )
@@ -243,7 +244,9 @@ def check_topology(
 ) -> None:
     """Raise a GeometryError where cuts differ from those `before` in number, kind or corners, cross, or leave."""
     if len(cuts) != len(before[1]):
-        raise GeometryError(f"{who}: {len(cuts)} cuts in the place of {len(before[1])}: their number must stay")
+        raise GeometryError(
+            f"{who}: {counted(len(cuts), 'cut')} in the place of {len(before[1])}: their number must stay"
+        )
     for number, (one, other) in enumerate(zip((outline, *cuts), (before[0], *before[1])), start=-1):
         name = f"cut {number}" if number >= 0 else "the outline"
         if type(one) is not type(other) or len(_corners(one)) != len(_corners(other)):

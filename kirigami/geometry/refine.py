@@ -12,6 +12,7 @@ from kirigami.errors import GeometryError
 from kirigami.geometry.clean import LineWork
 from kirigami.geometry.topology import boundary_pairs, signed_areas
 from kirigami.geometry.triangulate import Triangulation, carve, triangulate
+from kirigami.words import counted
 
 Integers = NDArray[np.int64]
 Floats = NDArray[np.float64]
@@ -140,7 +141,7 @@ def triangulate_drawing(
     if len(made.points) - len(start.points) >= limit:
         centre = made.points[made.triangles[np.argmin(signed_areas(made.points, made.triangles))]].mean(axis=0)
         raise GeometryError(
-            f"more than {limit} nodes are needed where the drawing leaves a very narrow sliver or gap, near "
+            f"more than {counted(limit, 'node')} are needed where the drawing leaves a very narrow sliver or gap, near "
             f"{drawing.frame.place(centre)}; move the cuts apart, or close it by a larger `snap`"
         )
     return _smoothed(made, size, drawing.mesher)

@@ -33,6 +33,7 @@ from kirigami.primitives.checks import (
     require_whole,
 )
 from kirigami.primitives.material import SheetMaterial
+from kirigami.words import counted
 
 CUT_FRACTION = 0.4  # default edge length along cuts, as a fraction of max_edge
 SNAP_PER_EDGE = 200  # the default snapping distance is this part of cut_edge
@@ -330,10 +331,10 @@ class Sheet:
         xmin, ymin, xmax, ymax = self.bounds
         openings = sum(isinstance(cut, shapely.Polygon) for cut in self.cuts)
         slits = len(self.cuts) - openings
-        folds = f", {len(self.folds)} fold{'' if len(self.folds) == 1 else 's'}" if self.folds else ""
+        folds = f", {counted(len(self.folds), 'fold')}" if self.folds else ""
         return (
             f"{type(self).__name__}({xmax - xmin:.4g} x {ymax - ymin:.4g}, area {self.area:.4g}, "
-            f"{slits} slit{'' if slits == 1 else 's'}, {openings} opening{'' if openings == 1 else 's'}{folds})"
+            f"{counted(slits, 'slit')}, {counted(openings, 'opening')}{folds})"
         )
 
 
@@ -347,13 +348,13 @@ def _verify(mesh: TriMesh, drawing: LineWork, made: Triangulation, max_edge: flo
         )
     parts = int(mesh.facet_parts.max()) + 1
     if parts > 1 and not allow_parts:
-        raise GeometryError(f"the mesh generator failed: the mesh has {parts} parts; try another max_edge")
+        raise GeometryError(f"the mesh generator failed: the mesh has {counted(parts, 'part')}; try another max_edge")
     if mesh.min_angle < POOR_ANGLE:
         # the corner of the drawing, or the detail, to look at
         worst = mesh.nodes[mesh.triangles[int(np.argmin(mesh.facet_min_angles))], :2].mean(axis=0)
         warnings.warn(
-            f"the smallest angle of the mesh is {mesh.min_angle:.3g} degrees, at ({worst[0]:.6g}, {worst[1]:.6g}): the "
-            "drawing has a sharp corner or a narrow gap there",
+            f"the smallest angle of the mesh is {counted(mesh.min_angle, 'degree', spec='.3g')}, at ({worst[0]:.6g}, "
+            f"{worst[1]:.6g}): the drawing has a sharp corner or a narrow gap there",
             KirigamiWarning,
             stacklevel=3,
         )

@@ -21,6 +21,7 @@ from kirigami.geometry.ligaments import Ligaments, find_ligaments
 from kirigami.geometry.refine import EQUILATERAL, triangulate_drawing
 from kirigami.geometry.triangulate import Triangulation
 from kirigami.geometry.unzip import unzip
+from kirigami.words import counted
 
 Integers = NDArray[np.int64]
 Floats = NDArray[np.float64]
@@ -82,19 +83,19 @@ class Sizing:
     @property
     def across(self) -> str:
         """The facets across the worst ligament, in words."""
-        return f"{self.facets_across:g} facet{'s' * (self.facets_across != 1)}"
+        return counted(self.facets_across, "facet", spec="g")
 
     def __str__(self) -> str:
         size = (
-            f"{self.nodes} nodes, {self.budget} asked for, edges {self.shortest:.3g} to {self.longest:.3g} long in the "
-            "unit of the sheet"
+            f"{counted(self.nodes, 'node')}, {self.budget} asked for, edges {self.shortest:.3g} to {self.longest:.3g} "
+            "long in the unit of the sheet"
         )
         if not self.ligaments:
             return f"{size}; no ligaments"
         return (
             f"{size}; at least {self.across} across a ligament (width {self.width:.3g} at "
-            f"({self.place[0]:.4g}, {self.place[1]:.4g})), fewer than {LAYERS:g} in {self.coarse} of {self.ligaments} "
-            "sections"
+            f"({self.place[0]:.4g}, {self.place[1]:.4g})), fewer than {LAYERS:g} in {self.coarse} of "
+            f"{counted(self.ligaments, 'section')}"
         )
 
 
@@ -292,17 +293,18 @@ def warn_of_coarse(sizing: Sizing, thickness: float | None) -> None:
     at = f"({sizing.place[0]:.6g}, {sizing.place[1]:.6g})"
     if sizing.nodes > (1 + KEPT) * sizing.budget:
         warnings.warn(
-            f"the mesh has {sizing.nodes} nodes, more than the {sizing.budget} allowed: the drawing itself has so many "
-            "points or such small details. Simplify it, or allow more nodes",
+            f"the mesh has {counted(sizing.nodes, 'node')}, more than the {sizing.budget} allowed: the drawing itself "
+            "has so many points or such small details. Simplify it, or allow more nodes",
             KirigamiWarning,
             stacklevel=3,
         )
     if sizing.facets_across < FEW_LAYERS:
-        needed = sizing.nodes * (LAYERS / sizing.facets_across) ** 2
+        needed = float(f"{sizing.nodes * (LAYERS / sizing.facets_across) ** 2:.1g}")
         warnings.warn(
             f"the ligament of width {sizing.width:.3g} at {at} (in the unit of the sheet) has only {sizing.across} "
-            f"across, and {sizing.coarse} of {sizing.ligaments} sections across ligaments have fewer than {LAYERS:g}: "
-            f"too coarse to bend. About {float(f'{needed:.1g}'):,.0f} nodes would do instead of {sizing.budget:,}",
+            f"across, and {sizing.coarse} of {counted(sizing.ligaments, 'section')} across ligaments have fewer than "
+            f"{LAYERS:g}: too coarse to bend. About {counted(needed, 'node', spec=',.0f')} would do "
+            f"instead of {sizing.budget:,}",
             KirigamiWarning,
             stacklevel=3,
         )

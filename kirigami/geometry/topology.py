@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kirigami.errors import GeometryError
+from kirigami.words import counted
 
 Integers = NDArray[np.int64]
 Floats = NDArray[np.float64]
@@ -53,8 +54,9 @@ def paired_half_edges(triangles: Integers) -> tuple[Integers, Integers]:
     if crowded.size:
         halves = order[edge == crowded[0]]
         raise GeometryError(
-            f"the edge between nodes {start[halves[0]]} and {end[halves[0]]} belongs to {len(halves)} facets "
-            f"({', '.join(str(half // 3) for half in halves)}); a sheet has at most two at an edge"
+            f"the edge between nodes {start[halves[0]]} and {end[halves[0]]} belongs to "
+            f"{counted(len(halves), 'facet')} ({', '.join(str(half // 3) for half in halves)}); a sheet has at most "
+            "two at an edge"
         )
     first = order[is_new]
     second = np.full(len(first), -1)

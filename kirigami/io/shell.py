@@ -22,6 +22,7 @@ from kirigami.primitives.material import Material, SheetMaterial
 from kirigami.primitives.node import AXES
 from kirigami.primitives.parts import Numbering
 from kirigami.results.supports import named
+from kirigami.words import counted
 
 LOADS = (NodalLoad, EdgeLoad, AreaLoad, Gravity)  # that shell triangles take as nodal forces
 
@@ -97,8 +98,8 @@ def shell_of(model: Model, owner: str, materials: tuple[type[SheetMaterial], ...
     mesh = model.mesh
     if mesh.folds:
         raise ModelError(
-            f"{owner}: the {len(mesh.folds)} folds of the sheet would be lost: a shell of triangles is smooth there; "
-            "make the model of `mesh.with_folds([])` if that is meant"
+            f"{owner}: the {counted(len(mesh.folds), 'fold')} of the sheet would be lost: a shell of triangles is "
+            "smooth there; make the model of `mesh.with_folds([])` if that is meant"
         )
     shell = Shell(
         model.positions()[: len(mesh.nodes)],

@@ -19,6 +19,7 @@ from kirigami.errors import ModelError
 from kirigami.lattice.framework import RANK, Framework
 from kirigami.primitives.checks import require_array, require_finite, require_instance
 from kirigami.primitives.kernel import Array
+from kirigami.words import counted
 
 TURN = 2 * math.pi
 
@@ -144,7 +145,8 @@ def winding_numbers(framework: Framework, at: float = 1.0) -> tuple[int, ...]:
     _periodic(framework, "winding_numbers")
     if len(framework.bars) != framework.unknowns:
         raise ModelError(
-            f"winding_numbers: the cell has {len(framework.bars)} bars for {framework.unknowns} unknowns; det C needs "
+            f"winding_numbers: the cell has {counted(len(framework.bars), 'bar')} for "
+            f"{counted(framework.unknowns, 'unknown')}; det C needs "
             "as many of both (for panels of four corners or more take bracing='single')"
         )
     at = require_finite(at, "at", "winding_numbers")

@@ -19,6 +19,7 @@ from numpy.typing import ArrayLike, NDArray
 from kirigami.errors import AnalysisError, ModelError
 from kirigami.primitives.checks import require_array, require_instance, require_positive, require_whole
 from kirigami.primitives.kernel import Array
+from kirigami.words import counted
 
 if TYPE_CHECKING:
     from kirigami.lattice.tilings.tiling import Tiling
@@ -238,7 +239,7 @@ class Framework:
             along = direction - np.linalg.lstsq(matrix, matrix @ direction, rcond=RANK)[0]
             if np.linalg.norm(along) < 0.5:
                 raise AnalysisError(
-                    f"follow: the motion ends after {number} of {steps} steps" if number else
+                    f"follow: the motion ends after {number} of {counted(steps, 'step')}" if number else
                     "follow: the starting direction stretches bars; take it from the zero modes"
                 )  # fmt: skip
             step = along * (distance / steps / np.sqrt(weight @ along**2))
@@ -249,7 +250,9 @@ class Framework:
                     break
                 moved -= np.linalg.lstsq(self.compatibility(self._moved(moved)), gap, rcond=RANK)[0]
             else:
-                raise AnalysisError(f"follow: the motion cannot be continued after {number} of {steps} steps")
+                raise AnalysisError(
+                    f"follow: the motion cannot be continued after {number} of {counted(steps, 'step')}"
+                )
             direction = (moved - q) / np.linalg.norm(moved - q)
             q = moved
             path.append(self.field(q))
@@ -259,7 +262,10 @@ class Framework:
         return self.points + self.field(q)[:, : self.points.shape[1]]
 
     def __repr__(self) -> str:
-        return f"<Framework: {len(self.points)} points, {len(self.bars)} bars, {len(self.lattice)} lattice vectors>"
+        return (
+            f"<Framework: {counted(len(self.points), 'point')}, {counted(len(self.bars), 'bar')}, "
+            f"{counted(len(self.lattice), 'lattice vector')}>"
+        )
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -312,8 +318,9 @@ class Rigidity:
     def __str__(self) -> str:
         zero, stress = len(self.zero_modes), len(self.self_stresses)
         return (
-            f"{self.framework.unknowns} unknowns, {len(self.framework.bars)} bars: {zero} zero modes "
-            f"({self.rigid} rigid, {zero - self.rigid} internal), {stress} states of self-stress"
+            f"{counted(self.framework.unknowns, 'unknown')}, {counted(len(self.framework.bars), 'bar')}: "
+            f"{counted(zero, 'zero mode')} ({self.rigid} rigid, {zero - self.rigid} internal), "
+            f"{counted(stress, 'state')} of self-stress"
         )
 
     def __repr__(self) -> str:

@@ -22,6 +22,7 @@ from kirigami.lattice.cell_system import CellSystem, require_sheet
 from kirigami.primitives.checks import require_instance
 from kirigami.primitives.kernel import Array
 from kirigami.results.results import Results
+from kirigami.words import counted
 
 if TYPE_CHECKING:
     from kirigami.lattice.periodic import PeriodicCell
@@ -59,7 +60,7 @@ class EffectiveLaw:
 
     def __repr__(self) -> str:
         strain, stress = (", ".join(f"{value:.4g}" for value in values[-1]) for values in (self.strain, self.stress))
-        return f"EffectiveLaw({len(self.strain)} steps, at the last strain ({strain}), stress ({stress}))"
+        return f"EffectiveLaw({counted(len(self.strain), 'step')}, at the last strain ({strain}), stress ({stress}))"
 
 
 def law(cell: PeriodicCell, results: Results) -> EffectiveLaw:

@@ -18,6 +18,7 @@ from kirigami.primitives.kernel import Array
 from kirigami.results.results import Results
 from kirigami.results.step import Step
 from kirigami.system.system import System
+from kirigami.words import counted
 
 if TYPE_CHECKING:
     from kirigami.lattice.periodic import PeriodicCell
@@ -67,8 +68,8 @@ def patch(
                for v in require_items(counts, "counts", "PeriodicCell.patch")]  # fmt: skip
     if len(numbers) != len(cell.lattice) or np.prod(numbers) > MOST:
         raise ModelError(
-            f"PeriodicCell.patch: counts must be {len(cell.lattice)} numbers, one for each lattice vector, of at most "
-            f"{MOST} cells, got {numbers}"
+            f"PeriodicCell.patch: counts must be {counted(len(cell.lattice), 'number')}, one for each lattice vector, "
+            f"of at most {MOST} cells, got {numbers}"
         )
     tall = None if height is None else require_positive(height, "height", "PeriodicCell.patch")
     mesh, node, steps = tiled(cell.model.mesh, cell.images, cell.border.lattice, numbers)

@@ -39,6 +39,7 @@ from kirigami.primitives.kernel import Array
 from kirigami.primitives.node import AXES
 from kirigami.results.results import Results
 from kirigami.results.step import Step
+from kirigami.words import counted
 
 if TYPE_CHECKING:
     from kirigami.geometry.mesh import TriMesh
@@ -99,7 +100,9 @@ class PeriodicCell:
         self.dim = model.dim
         given = np.atleast_2d(require_array(lattice, name="lattice", owner="PeriodicCell"))
         if given.ndim != 2 or given.shape[1] > self.dim or not 1 <= len(given) <= self.dim:
-            raise ModelError(f"PeriodicCell: lattice must hold up to {self.dim} vectors, one a row, got {given.shape}")
+            raise ModelError(
+                f"PeriodicCell: lattice must hold up to {counted(self.dim, 'vector')}, one a row, got {given.shape}"
+            )
         self.lattice = np.zeros((len(given), self.dim))
         self.lattice[:, : given.shape[1]] = given
         self.measure = math.sqrt(abs(np.linalg.det(self.lattice @ self.lattice.T)))
@@ -166,7 +169,8 @@ class PeriodicCell:
             return given
         if given.shape != (len(pairs),):
             raise ModelError(
-                f"PeriodicCell: the mean strain must be a gradient ({self.dim}, {self.dim}) or {len(pairs)} strains, "
+                f"PeriodicCell: the mean strain must be a gradient ({self.dim}, {self.dim}) or "
+                f"{counted(len(pairs), 'strain')}, "
                 f"got shape {given.shape}"
             )
         full = np.zeros((self.dim, self.dim))
@@ -391,6 +395,7 @@ def _strained_axes(lattice: Array) -> Sequence[int]:
     used = [axis for axis in range(dim) if np.abs(lattice[:, axis]).max() > 1e-12 * np.abs(lattice).max()]
     if len(used) != len(lattice):
         raise ModelError(
-            f"PeriodicCell: {len(lattice)} lattice vectors must span as many coordinate axes, not {len(used)}"
+            f"PeriodicCell: {counted(len(lattice), 'lattice vector')} must span as many coordinate axes, not "
+            f"{len(used)}"
         )
     return used

@@ -17,6 +17,7 @@ from kirigami.errors import ModelError
 from kirigami.files import whole_file
 from kirigami.plot.style import new_axes, styled
 from kirigami.primitives.kernel import Array
+from kirigami.words import counted
 
 if TYPE_CHECKING:
     from kirigami.lattice.tilings.tiling import Tiling
@@ -108,7 +109,7 @@ def plot_results_panels(tiling: Tiling, results: Results, step: int = -1, ax: An
         No such step, or results of another model.
     """
     if not -len(results) <= step < len(results):
-        raise ModelError(f"plot_results_panels: step {step} is not among the {len(results)} stored steps")
+        raise ModelError(f"plot_results_panels: step {step} is not among the {counted(len(results), 'stored step')}")
     return plot_tiling(tiling, results.u[step], ax=ax, **options)
 
 

@@ -25,6 +25,7 @@ from kirigami.lattice.flat_cell import FlatCell
 from kirigami.lattice.wave_stiffness import WaveStiffness
 from kirigami.primitives.checks import require_array, require_positive, require_whole
 from kirigami.primitives.kernel import Array
+from kirigami.words import counted
 
 if TYPE_CHECKING:
     from kirigami.lattice.periodic import PeriodicCell
@@ -190,8 +191,8 @@ def buckling(cell: PeriodicCell, strain: Sequence[float | None], longest: int = 
     at_end = at_end and here.lowest(search.rest, 0.5 * phases) < -LONGER
     if at_end:
         warnings.warn(
-            f"the longest wave that was looked at, {longest} cells, is the first to buckle: longer sheets buckle "
-            "earlier, since the mean stress compresses the sheet as a whole; give longest= the size of yours",
+            f"the longest wave that was looked at, {counted(longest, 'cell')}, is the first to buckle: longer sheets "
+            "buckle earlier, since the mean stress compresses the sheet as a whole; give longest= the size of yours",
             KirigamiWarning,
             stacklevel=2,
         )

@@ -28,6 +28,7 @@ from kirigami.primitives.checks import require_array, require_boolean, require_f
 from kirigami.primitives.kernel import Array, Kernel
 from kirigami.primitives.node import Node
 from kirigami.primitives.parts import ModelObject, Numbering
+from kirigami.words import counted
 
 Index = NDArray[np.int64]
 
@@ -153,7 +154,7 @@ class Actuate(ModelObject):
 
     def __repr__(self) -> str:
         where = "the whole sheet" if self.facets is None else (
-            repr(self.facets) if isinstance(self.facets, str) else f"{len(self.facets)} facets"
+            repr(self.facets) if isinstance(self.facets, str) else counted(len(self.facets), "facet")
         )
         parts = {"strain": self.strain, "curvature": self.curvature, "heat": self.heat}
         said = ", ".join(f"{name}={values}" for name, values in parts.items() if any(values))

@@ -15,6 +15,7 @@ from kirigami.primitives.checks import require_array, require_axes, require_bool
 from kirigami.primitives.kernel import Array, Kernel
 from kirigami.primitives.node import AXES, Node, listed
 from kirigami.primitives.parts import ModelObject, Numbering
+from kirigami.words import counted
 
 
 def values_for(value: ArrayLike, count: int, owner: str) -> Array:
@@ -86,7 +87,7 @@ class Constraint(ModelObject):
         return held_edge_kernels(holding, numbering)
 
     def __repr__(self) -> str:
-        return f"{type(self).__name__}({len(self.group)} nodes, {''.join(self._values)})"
+        return f"{type(self).__name__}({counted(len(self.group), 'node')}, {''.join(self._values)})"
 
 
 class Fix(Constraint):
@@ -145,7 +146,7 @@ class Prescribe(Constraint):
     --------
     >>> import kirigami as kg
     >>> kg.Prescribe(kg.Node(0, 1), y=0.4)
-    Prescribe(1 nodes, y)
+    Prescribe(1 node, y)
     """
 
     __slots__ = ()
@@ -270,7 +271,10 @@ class Tie(Constraint):
         if len(ahead) == 1:
             ahead = ahead * len(group)
         if len(ahead) != len(group):
-            raise ModelError(f"Tie: {len(group)} followers need one leader or as many, got {len(ahead)} leaders")
+            raise ModelError(
+                f"Tie: {counted(len(group), 'follower')} need one leader or as many, got "
+                f"{counted(len(ahead), 'leader')}"
+            )
         for follower, leader in zip(group, ahead):
             if follower is leader:
                 raise ModelError(f"Tie: {follower!r} cannot follow itself")

@@ -15,6 +15,7 @@ from kirigami.primitives.checks import require_boolean, require_finite
 from kirigami.primitives.kernel import Array, Contribution, Kernel
 from kirigami.primitives.node import Node, listed
 from kirigami.primitives.parts import Numbering
+from kirigami.words import counted
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False, init=False)
@@ -106,7 +107,7 @@ class EdgeMoment(Load):
 
     def __repr__(self) -> str:
         constant = ", constant=True" if self.constant else ""
-        return f"EdgeMoment({len(self.group)} nodes, moment={self.moment:g}{constant})"
+        return f"EdgeMoment({counted(len(self.group), 'node')}, moment={self.moment:g}{constant})"
 
 
 class EdgeMomentKernel(LoadKernel):

@@ -20,6 +20,7 @@ from kirigami.primitives.grip_rows import GripRows
 from kirigami.primitives.kernel import Array, Kernel
 from kirigami.primitives.node import AXES, Node, listed
 from kirigami.primitives.parts import Numbering
+from kirigami.words import counted
 
 Motion = tuple[float | None, float | None, float | None]
 STRAIGHT = 1e-9  # width of a set of nodes over its length, below which it is a line
@@ -171,7 +172,10 @@ class Grip(Constraint):
         def said(values: Motion) -> str:
             return ", ".join("free" if value is None else f"{value:g}" for value in values)
 
-        return f"{type(self).__name__}({len(self.group)} nodes, move=({said(self.move)}), turn=({said(self.turn)}))"
+        return (
+            f"{type(self).__name__}({counted(len(self.group), 'node')}, move=({said(self.move)}), "
+            f"turn=({said(self.turn)}))"
+        )
 
 
 class RigidLink(Grip):
@@ -210,4 +214,4 @@ class RigidLink(Grip):
         return True
 
     def __repr__(self) -> str:
-        return f"RigidLink({len(self.group)} nodes)"
+        return f"RigidLink({counted(len(self.group), 'node')})"

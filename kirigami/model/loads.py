@@ -14,6 +14,7 @@ from kirigami.primitives.checks import require_boolean, require_finite
 from kirigami.primitives.kernel import Array, Contribution, Kernel, displacement_of
 from kirigami.primitives.node import Node, listed, vector_of
 from kirigami.primitives.parts import ModelObject, Numbering
+from kirigami.words import counted
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
@@ -45,7 +46,7 @@ class NodalLoad(Load):
     --------
     >>> import kirigami as kg
     >>> kg.NodalLoad(kg.Node(0, 1), (0, -1))
-    NodalLoad(1 nodes, force=(0, -1, 0))
+    NodalLoad(1 node, force=(0, -1, 0))
     """
 
     group: tuple[Node, ...]
@@ -83,7 +84,7 @@ class NodalLoad(Load):
     def __repr__(self) -> str:
         x, y, z = self.force
         constant = ", constant=True" if self.constant else ""
-        return f"NodalLoad({len(self.group)} nodes, force=({x:g}, {y:g}, {z:g}){constant})"
+        return f"NodalLoad({counted(len(self.group), 'node')}, force=({x:g}, {y:g}, {z:g}){constant})"
 
 
 class LoadKernel(Kernel):

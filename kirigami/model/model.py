@@ -24,6 +24,7 @@ from kirigami.primitives.checks import (
 )
 from kirigami.primitives.node import Node
 from kirigami.primitives.parts import KINDS, ModelObject
+from kirigami.words import counted
 
 if TYPE_CHECKING:
     from kirigami.elements.stiffness import Calibration, SheetConstants
@@ -316,7 +317,9 @@ class Model:
         elif offset.shape == (n, 2):
             offset = np.column_stack([offset, np.zeros(n)])
         if offset.shape != (n, 3):
-            raise ModelError(f"perturb: the shape must have one row for each of the {n} nodes, got {offset.shape}")
+            raise ModelError(
+                f"perturb: the shape must have one row for each of the {counted(n, 'node')}, got {offset.shape}"
+            )
         if self.dim == 2 and np.any(offset[:, 2]):
             raise ModelError("perturb: a dim=2 model cannot take offsets in z")
         if amplitude is not None:
@@ -448,7 +451,7 @@ class Model:
 
     def __str__(self) -> str:
         counts = Counter(type(item).__name__ for item in self.objects)
-        parts = [f"{len(self._nodes)} nodes"]
+        parts = [counted(len(self._nodes), "node")]
         parts += [f"{number} {name}" for name, number in counts.items()]
         return f"Model{f' {self.name!r}' if self.name else ''} in {self.dim}D: {', '.join(parts)}"
 

@@ -22,6 +22,7 @@ from kirigami.primitives.checks import require_finite
 from kirigami.primitives.kernel import Array, Kernel
 from kirigami.primitives.node import Node
 from kirigami.primitives.parts import Numbering
+from kirigami.words import counted
 
 Index = NDArray[np.int64]
 NEAR = 1e-6  # of the lattice vectors, within which places are the same
@@ -170,7 +171,7 @@ class Periodic(Constraint):
     def __repr__(self) -> str:
         names = NAMES[len(self.strain)]
         said = ", ".join(f"{n}={'free' if v is None else format(v, 'g')}" for n, v in zip(names, self.strain))
-        return f"Periodic({len(self.group)} nodes, {said})"
+        return f"Periodic({counted(len(self.group), 'node')}, {said})"
 
 
 def _slopes(vectors: Array, strains: int) -> Array:

@@ -33,6 +33,7 @@ from kirigami.primitives.kernel import Array, Contribution, Kernel, displacement
 from kirigami.primitives.node import AXES, Node
 from kirigami.primitives.parts import Numbering
 from kirigami.primitives.rotation import cross_matrices
+from kirigami.words import counted
 
 Index = NDArray[np.int64]
 CLOSES = 0.25  # area vectors that are left over their sizes, below which facets close round a space
@@ -134,7 +135,7 @@ class Pressure(Load):
 
     def __repr__(self) -> str:
         where = "" if self.facets is None else f", {self.facets!r}" if isinstance(self.facets, str) else (
-            f", {len(self.facets)} facets"
+            f", {counted(len(self.facets), 'facet')}"
         )
         return f"Pressure({self.p:g}{where}{', constant=True' if self.constant else ''})"
 

@@ -20,6 +20,7 @@ from kirigami.primitives.checks import (
 )
 from kirigami.primitives.kernel import Array
 from kirigami.primitives.material import SheetMaterial
+from kirigami.words import counted
 
 Index = NDArray[np.int64]
 
@@ -77,7 +78,10 @@ def _materials(mesh: TriMesh, given: Materials, owner: str) -> tuple[Index, list
             require_instance(found, SheetMaterial, "material", owner)
         listed = require_items(found, "material", owner)
         if len(listed) != count:
-            raise ModelError(f"{owner}: {len(listed)} materials for the {count} facets of the mesh: give one for each")
+            raise ModelError(
+                f"{owner}: {counted(len(listed), 'material')} for the {counted(count, 'facet')} of the mesh: give one "
+                "for each"
+            )
     for facet, item in enumerate(listed):
         if item is None:
             raise ModelError(

@@ -24,6 +24,7 @@ from kirigami.primitives.checks import require_boolean, require_finite, require_
 from kirigami.primitives.kernel import Array, Kernel
 from kirigami.primitives.node import Node, listed, vector_of
 from kirigami.primitives.parts import Numbering
+from kirigami.words import counted
 
 Index = NDArray[np.int64]
 
@@ -89,7 +90,7 @@ class Surface:
         found = both & (second < 0) if (both & (second < 0)).any() else both
         if not found.any():
             raise ModelError(
-                f"{owner}: no edge of the sheet joins two of the {len(nodes)} nodes, the first of which is "
+                f"{owner}: no edge of the sheet joins two of the {counted(len(nodes), 'node')}, the first of which is "
                 f"{self.numbering.describe(int(nodes[0]))}: select both ends of edges"
             )
         ends = ends[found]
@@ -221,7 +222,7 @@ class EdgeLoad(SpreadLoad):
         return surface.along_edges(surface.numbering.index(self.group), repr(self))
 
     def __repr__(self) -> str:
-        return self._described(f"{len(self.group)} nodes, force=")
+        return self._described(f"{counted(len(self.group), 'node')}, force=")
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False, init=False)
@@ -336,4 +337,4 @@ class Gravity(SpreadLoad):
 def _where(facets: Index | str | None) -> str:
     if facets is None:
         return ""
-    return f"region {facets!r}, " if isinstance(facets, str) else f"{len(facets)} facets, "
+    return f"region {facets!r}, " if isinstance(facets, str) else f"{counted(len(facets), 'facet')}, "

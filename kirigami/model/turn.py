@@ -13,6 +13,7 @@ from kirigami.model.constraints import Constraint
 from kirigami.primitives.checks import require_boolean, require_finite
 from kirigami.primitives.kernel import Array
 from kirigami.primitives.node import AXES, Node, direction_of, listed, vector_of
+from kirigami.words import counted
 
 MOST = 36000.0  # degrees
 
@@ -74,7 +75,9 @@ class Turn(Constraint):
         group = listed(nodes, "Turn")
         angle = require_finite(angle, "angle", "Turn")
         if abs(angle) > MOST:
-            raise ModelError(f"Turn: an angle of {angle:.6g} degrees is more than {MOST / 360:g} turns")
+            raise ModelError(
+                f"Turn: an angle of {counted(angle, 'degree', spec='.6g')} is more than {MOST / 360:g} turns"
+            )
         along = direction_of(axis, "Turn")
         points = np.array([(node.x, node.y, node.z) for node in group])
         centre = points.mean(axis=0) if about is None else np.array(vector_of(about, "about", "Turn"))
@@ -112,7 +115,7 @@ class Turn(Constraint):
 
     def __repr__(self) -> str:
         axis = ", ".join(f"{part:.4g}" for part in self.axis)
-        return f"Turn({len(self.group)} nodes, {self.angle:.6g} degrees about ({axis}))"
+        return f"Turn({counted(len(self.group), 'node')}, {counted(self.angle, 'degree', spec='.6g')} about ({axis}))"
 
 
 class Arc:

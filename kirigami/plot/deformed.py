@@ -14,6 +14,7 @@ from kirigami.results.fields import energy_density
 from kirigami.results.smooth import sectors, surface_stress
 from kirigami.results.yielding import facet_plastic_strain
 from kirigami.units import unit_for
+from kirigami.words import counted
 
 if TYPE_CHECKING:
     from kirigami.geometry.mesh import TriMesh
@@ -265,7 +266,7 @@ class Field:
         if values.shape != (len(self.cells),) or not np.isfinite(values).all():
             cell = "bars" if self.results.mesh is None else "facets"
             raise ModelError(
-                f"color: give one finite value for each of the {len(self.results.rest)} nodes or "
+                f"color: give one finite value for each of the {counted(len(self.results.rest), 'node')} or "
                 f"{len(self.cells)} {cell}, got shape {values.shape}"
             )
         return values

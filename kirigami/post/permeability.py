@@ -18,6 +18,7 @@ from kirigami.primitives.checks import (
     require_whole_array,
     shown,
 )
+from kirigami.words import counted
 
 Floats = NDArray[np.float64]
 LENGTHS = ("diameter", "half perimeter")
@@ -102,7 +103,9 @@ def _of_openings(
     steps = points if points.ndim == 3 else points[None]
     total = require_array(sheet_area, (), (len(steps),), name="sheet_area", owner="permeability")
     if not (total > 0).all():
-        raise ModelError(f"permeability: sheet_area must be positive, one number or one for each of {len(steps)} steps")
+        raise ModelError(
+            f"permeability: sheet_area must be positive, one number or one for each of {counted(len(steps), 'step')}"
+        )
     outlines = [steps[:, np.asarray(getattr(cut, "loop", cut)), :2] for cut in cuts]
     perimeter = _by_cut(outlines, _perimeter, len(steps))
     if not isinstance(length, str):

@@ -9,6 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from kirigami.errors import ModelError
 from kirigami.primitives.checks import require_array, require_axis, require_finite, require_instance
+from kirigami.words import counted
 
 if TYPE_CHECKING:
     from kirigami.geometry.mesh import TriMesh
@@ -171,7 +172,9 @@ def checked_positions(positions: ArrayLike, owner: str, nodes: int | None = None
     """Finite positions (s, n, 3) or (n, 3), or a ModelError."""
     points = require_array(positions, (None, 3), (None, None, 3), name="positions", owner=owner)
     if nodes is not None and points.shape[-2] != nodes:
-        raise ModelError(f"{owner}: the mesh has {nodes} nodes, but positions are given for {points.shape[-2]}")
+        raise ModelError(
+            f"{owner}: the mesh has {counted(nodes, 'node')}, but positions are given for {points.shape[-2]}"
+        )
     return points
 
 

@@ -8,6 +8,7 @@ from numpy.typing import ArrayLike, NDArray
 from kirigami.errors import ModelError
 from kirigami.primitives.checks import require_array, require_finite, require_instance, require_positive
 from kirigami.primitives.kernel import Array, Kernel, full_hessian
+from kirigami.words import counted
 
 LARGEST_STEP = 0.1  # differences over more say nothing of a derivative
 
@@ -52,7 +53,9 @@ def check_kernel(kernel: Kernel, x: ArrayLike, lam: float = 1.0, step: float = 1
     x = require_array(x, (None, 2), (None, 3), name="x", owner="check_kernel")
     conn = kernel.conn
     if len(x) <= conn.max(initial=-1):
-        raise ModelError(f"check_kernel: x must have a row for each node, up to node {conn.max()}, got {len(x)} rows")
+        raise ModelError(
+            f"check_kernel: x must have a row for each node, up to node {conn.max()}, got {counted(len(x), 'row')}"
+        )
     n, k = conn.shape
     dim = x.shape[1]
     exact = kernel.evaluate(x, lam, 2)

@@ -9,6 +9,7 @@ import numpy as np
 from kirigami.primitives.kernel import Array
 from kirigami.results.results import Results
 from kirigami.results.step import Event, Step
+from kirigami.words import counted
 
 CHECKED = "crossings_checked"  # in the stats: stored steps that were looked at
 
@@ -78,8 +79,8 @@ def _found(results: Results) -> list[Event]:
             where = ", ".join(f"{value:.4g}" for value in places[0])
             open_since = number
             first = (
-                f"the sheet passes through itself at {when}, at {len(places)} places, one of them ({where}): the "
-                "shape is wrong there; kg.SelfContact holds it apart"
+                f"the sheet passes through itself at {when}, at {counted(len(places), 'place')}, one of them "
+                f"({where}): the shape is wrong there; kg.SelfContact holds it apart"
             )
             found.append(Event("crossing", lam, number, first, (lam, lam)))
         else:

@@ -10,6 +10,7 @@ import numpy as np
 
 from kirigami import units
 from kirigami.primitives.kernel import Array
+from kirigami.words import counted
 
 if TYPE_CHECKING:
     from kirigami.results.results import Results
@@ -136,7 +137,7 @@ class Drive:
         if self.kind == "ratio":
             return f"{100 * value:.4g} %"
         if self.kind == "angle":
-            return f"{value:.4g} degrees"
+            return counted(value, "degree", spec=".4g")
         return units.show(value, "length") if si else f"{value:.4g}"
 
     def plain(self) -> list[Any]:

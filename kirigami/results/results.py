@@ -23,6 +23,7 @@ from kirigami.results.record import Nodes
 from kirigami.results.step import Event, Step
 from kirigami.results.stored_steps import StoredSteps
 from kirigami.results.supports import carried_by
+from kirigami.words import counted
 
 if TYPE_CHECKING:
     from kirigami.results.drives import Drive
@@ -384,7 +385,10 @@ class Results(StoredSteps):
 
     def __repr__(self) -> str:
         span = f", load factor {self.steps[0].lam:.6g} to {self.steps[-1].lam:.6g}" if self.steps else ""
-        return f"<Results of {self.name or 'model'}: {len(self.steps)} steps{span}, {len(self.events)} events>"
+        return (
+            f"<Results of {self.name or 'model'}: {counted(len(self.steps), 'step')}{span}, "
+            f"{counted(len(self.events), 'event')}>"
+        )
 
     def _repr_html_(self) -> str:
         return f"<pre>{self.summary().replace('<', '&lt;')}</pre>"

@@ -11,6 +11,7 @@ from kirigami.model.model import Model
 from kirigami.primitives.checks import require_array, require_finite, require_instance
 from kirigami.primitives.kernel import Array
 from kirigami.primitives.parts import ModelObject
+from kirigami.words import counted
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -125,8 +126,13 @@ class Step:
     def __repr__(self) -> str:
         if self.velocity is not None:
             return f"Step(time={self.time:.6g}, lam={self.lam:.6g}, kinetic energy={self.kinetic:.3g})"
-        state = {None: "stability not counted", 0: "stable"}.get(self.negative, f"{self.negative} negative eigenvalues")
-        return f"Step(lam={self.lam:.6g}, {state}, residual={self.residual:.1e}, {self.iterations} iterations)"
+        if self.negative is None:
+            state = "stability not counted"
+        else:
+            state = counted(self.negative, "negative eigenvalue") if self.negative else "stable"
+        return (
+            f"Step(lam={self.lam:.6g}, {state}, residual={self.residual:.1e}, {counted(self.iterations, 'iteration')})"
+        )
 
 
 @dataclass(frozen=True, eq=False)

@@ -10,6 +10,7 @@ from kirigami.errors import ModelError
 from kirigami.primitives.checks import require_choice, require_items, require_positive, shown
 from kirigami.study.accuracy import ALIKE, Case
 from kirigami.study.mesh_choice import RATIO, MeshRun, run_case, shape_distance
+from kirigami.words import counted
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,7 +54,7 @@ class Bracket:
     def __str__(self) -> str:
         name = self.quantity.replace("_", " ")
         lines = [
-            f"{run.stiffness}, max_edge {run.max_edge:.4g}: {run.nodes} nodes, {name} {run.value:.5g}, "
+            f"{run.stiffness}, max_edge {run.max_edge:.4g}: {counted(run.nodes, 'node')}, {name} {run.value:.5g}, "
             f"{100 * run.membrane_share:.0f} % of the energy in stretching, {run.seconds:.1f} s"
             for run in self.runs
         ]

@@ -16,6 +16,7 @@ from kirigami.model.model import Model
 from kirigami.model.turn import Turn
 from kirigami.primitives.checks import require_finite
 from kirigami.primitives.node import Node
+from kirigami.words import counted
 
 STRIP = 0.04  # of the length, where the end of a sheet is no straight edge to hold
 STRAIGHT = 0.2  # of the width: what counts as a straight edge
@@ -91,7 +92,8 @@ class Grips:
         if (x, y) in NAMES:
             return NAMES[x, y]
         angle = math.degrees(math.atan2(y, x)) % 360
-        return f"end towards {(angle + 180) % 360:.6g} degrees", f"end towards {angle:.6g} degrees"
+        back, ahead = (counted(way % 360, "degree", spec=".6g") for way in (angle + 180, angle))
+        return f"end towards {back}", f"end towards {ahead}"
 
     def lines(self) -> dict[str, Any]:
         """The inner ends of strips, to be mesh edges; nothing where edges are held."""

@@ -23,6 +23,7 @@ from kirigami.study.quadrature import POINTS, WEIGHTS
 from kirigami.study.shape.space import FLAT
 from kirigami.system.supports import rigid_unknowns
 from kirigami.system.system import System
+from kirigami.words import counted
 
 SHARE = 0.1  # of the thickness is the default height: a strip bowed by it is 6 % more compliant, until it is straight
 WAVES = 64  # of which the pressure is the sum
@@ -83,7 +84,7 @@ def bending_field(model: Model, seed: int) -> Array:
     """The shape (nodes, 3) of the imperfection with a seed, of any size."""
     place = model.positions()
     if len(place) < 3:
-        raise ModelError(f"imperfect: a model of {len(place)} nodes has nothing that bends")
+        raise ModelError(f"imperfect: a model of {counted(len(place), 'node')} has nothing that bends")
     loads, areas, normal = _random_loads(model, place, seed)
     system = System(model)
     if not system.free:

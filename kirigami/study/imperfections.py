@@ -38,6 +38,7 @@ from kirigami.primitives.rigid import rigid_motions
 from kirigami.results.results import Results
 from kirigami.study.imperfect import SHARE
 from kirigami.study.shape.space import FLAT, ShapeSpace
+from kirigami.words import counted
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -145,7 +146,7 @@ class ImperfectionStudy:
         return {name: [row[k] for row in rows] for k, name in enumerate(names)}
 
     def __str__(self) -> str:
-        lines = [f"{len(self.cases)} runs, {len(self.branches)} final shapes"]
+        lines = [f"{counted(len(self.cases), 'run')}, {counted(len(self.branches), 'final shape')}"]
         for number, cases in self.branches.items():
             energies = [case.energy for case in cases]
             leading = ", ".join(_range(cases, mode) for mode in sorted({case.mode for case in cases}))
@@ -225,7 +226,9 @@ def seeds(model: Model, n: int = 6) -> list[Array]:
         if len(found) >= n:
             return found[:n]
         if asked >= most:
-            raise ModelError(f"seeds: the model has only {len(found)} modes that can seed an imperfection, not {n}")
+            raise ModelError(
+                f"seeds: the model has only {counted(len(found), 'mode')} that can seed an imperfection, not {n}"
+            )
         asked = min(2 * asked, most)
 
 

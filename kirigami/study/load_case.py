@@ -18,6 +18,7 @@ from kirigami.primitives.checks import (
 from kirigami.primitives.node import AXES
 from kirigami.study.grips import pull_direction
 from kirigami.study.places import Place, place
+from kirigami.words import counted
 
 STRAIN = 0.2  # what a sheet is pulled by where nothing is said
 MOST_TURNS = 100  # of a grip
@@ -105,7 +106,9 @@ class LoadCase:
             if by == 0:
                 raise ModelError(f"LoadCase: {where.text} is lifted by nothing: hold it, or say how far")
         if abs(twist) > 360 * MOST_TURNS:
-            raise ModelError(f"LoadCase: a twist of {twist:.6g} degrees is more than {MOST_TURNS} turns")
+            raise ModelError(
+                f"LoadCase: a twist of {counted(twist, 'degree', spec='.6g')} is more than {MOST_TURNS} turns"
+            )
         weight = require_not_negative(weight, "weight", "LoadCase")
         moved = bool(lifted or shear or twist)
         if strain is None:

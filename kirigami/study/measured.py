@@ -15,6 +15,7 @@ from kirigami import units
 from kirigami.errors import GeometryError, ModelError
 from kirigami.primitives.checks import require_path
 from kirigami.primitives.kernel import Array
+from kirigami.words import counted
 
 if TYPE_CHECKING:
     from kirigami.study.report import Report
@@ -86,7 +87,7 @@ class Comparison:
         return (
             f"measured curve {self.measured.name}: RMS difference {self.rms:.4g} "
             f"{'N m' if self.measured.kind == 'angle' else 'N'}, {100 * self.share:.3g} % of the measured force, over "
-            f"{len(self.motion) - self.beyond} points{left}"
+            f"{counted(len(self.motion) - self.beyond, 'point')}{left}"
         )
 
 

@@ -29,6 +29,7 @@ from kirigami.results.results import Results
 from kirigami.study.accuracy import ALIKE, Case, quantities
 from kirigami.study.convergence import limit_of
 from kirigami.study.reference import QUANTITIES
+from kirigami.words import counted
 
 RATIO = 1.5  # of the edge lengths of the first two runs
 CLOSER = 1.25  # least refinement of the third run
@@ -125,7 +126,7 @@ class MeshChoice:
         name = self.quantity.replace("_", " ")
         last = self.runs[-1]
         lines = [
-            f"max_edge {run.max_edge:.4g}: {run.nodes} nodes, {name} {run.value:.5g}, "
+            f"max_edge {run.max_edge:.4g}: {counted(run.nodes, 'node')}, {name} {run.value:.5g}, "
             f"estimated error {100 * error:.2g} %, {run.seconds:.1f} s"
             for run, error in zip(self.runs, self.errors)
         ]
@@ -140,7 +141,7 @@ class MeshChoice:
                      f"{100 * self.errors[-1]:.2g} %")  # fmt: skip
         if self.reached:
             chosen = self.run
-            size = f"max_edge {chosen.max_edge:.4g} ({chosen.nodes} nodes)"
+            size = f"max_edge {chosen.max_edge:.4g} ({counted(chosen.nodes, 'node')})"
             lines.append(f"{100 * self.error:g} % in {name}: take {size}")
         else:
             lines.append(

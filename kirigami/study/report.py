@@ -25,6 +25,7 @@ from kirigami.results.results import Results
 from kirigami.results.smooth import known_stress, sectors
 from kirigami.study.job import Job
 from kirigami.study.measured import Comparison
+from kirigami.words import counted
 
 
 @dataclass
@@ -165,8 +166,8 @@ class Report:
             *([str(self.measured)] if self.measured is not None else []),
             *self.worth,
             (
-                f"{n['steps']} steps, {n['stable_steps']} stable, largest residual {n['largest_residual']:.1e}, "
-                f"{n['factorizations']} factorizations, {n['seconds']:.1f} s"
+                f"{counted(n['steps'], 'step')}, {n['stable_steps']} stable, largest residual "
+                f"{n['largest_residual']:.1e}, {counted(n['factorizations'], 'factorization')}, {n['seconds']:.1f} s"
             ),
         ]
         lines += self.results.shape_words

@@ -24,6 +24,7 @@ from kirigami.study.load_case import STRAIN, LoadCase
 from kirigami.study.report import Report
 from kirigami.study.setting import set_up
 from kirigami.study.stretch import stretch
+from kirigami.words import counted
 
 if TYPE_CHECKING:
     from kirigami.drawing.drawing import Drawing
@@ -198,8 +199,9 @@ def _folds_in_words(sheet: Sheet, thickness: float, modulus: float, nu: float) -
     rest = "at rest flat"
     if valleys or mountains:
         largest = math.degrees(max(abs(fold.angle) for fold in sheet.folds))
-        rest = f"at rest folded by up to {largest:.4g} degrees, {valleys} as valleys and {mountains} as mountains"
-    words = f"{count} fold{'s' if count > 1 else ''} as elastic hinge{'s' if count > 1 else ''}, {rest}; "
+        ways = f"{counted(valleys, 'as valley')} and {counted(mountains, 'as mountain')}"
+        rest = f"at rest folded by up to {counted(largest, 'degree', spec='.4g')}, {ways}"
+    words = f"{counted(count, 'fold as elastic hinge', 'folds as elastic hinges')}, {rest}; "
     given = sheet.folds[0].stiffness
     if given is None:
         usual = units.show(modulus * thickness**2 / (12 * (1 - nu**2) * SCORE), "force")

@@ -33,6 +33,7 @@ from kirigami.study.folding import fold
 from kirigami.study.grips import find_grips
 from kirigami.study.load_case import STRAIN, LoadCase
 from kirigami.study.setting import set_up
+from kirigami.words import counted
 
 
 @dataclass(frozen=True)
@@ -168,7 +169,8 @@ def stretch(
     for words in setting.told:
         say(words)
     mesh = default_mesh(sheet, setting.lines, level.nodes if nodes is None else nodes, max_edge)
-    say(f"{len(mesh.nodes)} nodes, {len(mesh.triangles)} facets" if mesh.sizing is None else f"mesh: {mesh.sizing}")
+    size = f"{counted(len(mesh.nodes), 'node')}, {counted(len(mesh.triangles), 'facet')}"
+    say(size if mesh.sizing is None else f"mesh: {mesh.sizing}")
     if stiffness is None:
         stiffness = level.stiffness
         materials = [sheet.material, *regional.get("material", {}).values()]

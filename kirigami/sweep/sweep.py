@@ -26,6 +26,7 @@ from kirigami.primitives.checks import (
 )
 from kirigami.sweep.table import RESERVED, Row, SweepLog, SweepTable, log_path
 from kirigami.sweep.workers import Runner, failure, name_of, plain, runner_for
+from kirigami.words import counted
 
 TABLE_PAUSE = 5.0  # shortest time between two copies of the table while designs come in [s]
 LOOK_AROUND = 1.0  # longest time without a look at Ctrl-C and at new workers [s]
@@ -158,7 +159,7 @@ class Sweep:
                 table = log.table()
                 table.write(self.path)
         if early:
-            _warn(f"{early}: {len(table.missing)} of {len(table)} designs are missing; run again to go on")
+            _warn(f"{early}: {len(table.missing)} of {counted(len(table), 'design')} are missing; run again to go on")
         return table
 
     def _compute(self, runner: Runner, log: SweepLog, todo: list[int], progress: bool, time_limit: float | None) -> str:
@@ -298,7 +299,7 @@ class _Progress:
         if self._bar is not None:
             self._bar.update(1)
         elif self.shown:
-            print(f"Sweep: {self.done} of {self.total} designs", file=sys.stderr)
+            print(f"Sweep: {self.done} of {counted(self.total, 'design')}", file=sys.stderr)
 
     def __exit__(self, *_: object) -> None:
         if self._bar is not None:

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from kirigami.errors import AnalysisError, ModelError, nearest_name
 from kirigami.files import whole_file
 from kirigami.primitives.checks import require_instance, require_items, require_path, require_text
+from kirigami.words import counted
 
 RESERVED = ("design", "status", "error", "seconds", "version")
 Row = dict[str, Any]
@@ -85,8 +86,8 @@ class SweepTable:
         empty = [row for row in self.rows if row.get(name) is None]
         if empty:
             raise ModelError(
-                f"column {name!r} has no value in {len(empty)} of {len(self.rows)} rows, the first of design "
-                f"{empty[0].get('design')}: take .done first"
+                f"column {name!r} has no value in {len(empty)} of {counted(len(self.rows), 'row')}, the first of "
+                f"design {empty[0].get('design')}: take .done first"
             )
         return np.array([row[name] for row in self.rows])
 
@@ -111,7 +112,8 @@ class SweepTable:
     def summary(self) -> str:
         """How many designs went well, the seconds they took, and each failure in a line, as text."""
         seconds = [row["seconds"] for row in self.rows if row.get("seconds") is not None]
-        lines = [f"{len(self)} designs: {len(self.done)} done, {len(self.failed)} failed, {len(self.missing)} missing"]
+        counts = f"{len(self.done)} done, {len(self.failed)} failed, {len(self.missing)} missing"
+        lines = [f"{counted(len(self), 'design')}: {counts}"]
         if seconds:
             lines[0] += f"; {sum(seconds):.1f} s of computing, at most {max(seconds):.1f} s for a design"
         lines += [f"design {row.get('design')} failed: {row.get('error') or 'no reason told'}" for row in self.failed]
@@ -283,7 +285,9 @@ def check_same(path: Path, found: Row, wanted: Row) -> None:
         raise AnalysisError(f"{path} belongs to {found['function']}, not to {wanted['function']}: {advice}")
     old, new = found["designs"], wanted["designs"]
     if len(old) != len(new):
-        raise AnalysisError(f"{path} holds a sweep of {len(old)} designs, and {len(new)} are given: {advice}")
+        raise AnalysisError(
+            f"{path} holds a sweep of {counted(len(old), 'design')}, and {len(new)} are given: {advice}"
+        )
     for number, (one, other) in enumerate(zip(old, new)):
         if one != other:
             name = next(name for name in {**one, **other} if one.get(name) != other.get(name))

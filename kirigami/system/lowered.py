@@ -20,6 +20,7 @@ from kirigami.primitives.parts import Numbering
 from kirigami.system.apart import ApartKernel, kernels_apart, require_apart
 from kirigami.system.clock import Clock
 from kirigami.system.unknowns import Unknowns
+from kirigami.words import counted
 
 ROUNDING = 2e-15  # strain or angle [rad] that rounding alone may leave in a member
 
@@ -122,8 +123,8 @@ class Lowered(Unknowns):
         """The rows (rows, dim) of displacements (n, 3) of the nodes and (h, 3) of the rows behind them."""
         if len(u) + len(inner) != len(self.rest):
             raise ModelError(
-                f"these displacements are of {len(u)} nodes and {len(inner)} rows behind them, but the model has "
-                f"{self.points} and {len(self.rest) - self.points}"
+                f"these displacements are of {counted(len(u), 'node')} and {counted(len(inner), 'row')} behind them, "
+                f"but the model has {self.points} and {len(self.rest) - self.points}"
             )
         return np.concatenate([u, inner])[:, : self.dim]
 

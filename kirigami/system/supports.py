@@ -13,6 +13,7 @@ from kirigami.linalg.checked import terms
 from kirigami.primitives.kernel import Array, full_hessian
 from kirigami.primitives.node import AXES
 from kirigami.primitives.rigid import rigid_motions
+from kirigami.words import counted
 
 if TYPE_CHECKING:
     from kirigami.system.assembly import Index
@@ -115,7 +116,7 @@ def free_rigid_motions(system: System) -> tuple[str, list[int], str] | None:
         nodes = part[part < system.points]
         motion = found.in_words()
         where = "the structure" if len(parts) == 1 else (
-            f"a part of {len(nodes)} nodes (one of {len(parts)}) around "
+            f"a part of {counted(len(nodes), 'node')} (one of {len(parts)}) around "
             f"({', '.join(f'{c:.6g}' for c in system.rest[nodes].mean(axis=0))})"
         )
         support = "it has no support" if not found.held.any() else "its supports do not hold it"

@@ -294,10 +294,10 @@ def test_near_duplicates_are_dropped_and_near_ends_joined(tmp_path: Path) -> Non
     lines = ["CUTS 1 5 4 5", "CUTS 4 5.00001 1 5.00001", "CUTS 1 7 4 7", "CUTS 4.0001 7 6 7"]
     lines += ["CUTS 1 8 4 8", "CUTS 1 8.1 4 8.1"]
     path.write_text(dxf(*SQUARE, *lines))
-    with pytest.warns(kg.KirigamiWarning, match="1 curves drawn twice, dropped: entity A5 .LINE. on entity A4"):
+    with pytest.warns(kg.KirigamiWarning, match="1 curve drawn twice, dropped: entity A5 .LINE. on entity A4"):
         drawing = read(path, drawn_in="m")
     assert [round(cut.length, 6) for cut in drawing.cuts] == [3, 5, 3, 3]
-    assert "1 gaps between ends closed, the widest 0.0001" in drawing.report
+    assert "1 gap between ends closed, the widest 0.0001" in drawing.report
 
 
 def test_four_lines_that_close_are_a_hole_and_branches_stay_slits(tmp_path: Path) -> None:

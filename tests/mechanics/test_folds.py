@@ -171,6 +171,6 @@ def test_folds_are_not_lost_on_the_way_to_other_programs(stiffness: str, tmp_pat
     """A shell of triangles is smooth where the model is folded: refused, and nothing written."""
     m, _ = two_panels(stiffness)
     for write in (m.to_abaqus, m.to_openseespy):
-        with pytest.raises(kg.ModelError, match="1 folds of the sheet would be lost"):
+        with pytest.raises(kg.ModelError, match="1 fold of the sheet would be lost"):
             write(tmp_path / "model.txt")
     assert not list(tmp_path.iterdir())

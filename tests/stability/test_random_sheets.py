@@ -100,4 +100,4 @@ def test_the_command_goes_on_where_it_was(tmp_path):
     first = table.read_text(encoding="utf-8")
     done = subprocess.run([*command, "--seeds", "1"], check=False, capture_output=True, text=True, timeout=300)
     assert table.read_text(encoding="utf-8") == first and len(first.splitlines()) >= 2
-    assert done.stdout.startswith("1 sheets")
+    assert done.stdout.startswith("1 sheet,")

@@ -12,6 +12,7 @@ from kirigami.errors import GeometryError
 from kirigami.lattice.tilings.polygons import from_polygons
 from kirigami.lattice.tilings.tiling import Tiling, place_of
 from kirigami.primitives.checks import require_instance, require_positive
+from kirigami.words import counted
 
 if TYPE_CHECKING:
     from kirigami.geometry.sheet import Sheet
@@ -75,7 +76,8 @@ def panels_of_sheet(sheet: Sheet | shapely.Polygon, neck: float) -> tuple[Tiling
         near = tuple(k for k, panel in enumerate(rounded) if panel.distance(piece) <= touch)
         if len(near) > 2:
             raise GeometryError(
-                f"panels_of_sheet: the ligament around {place_of(piece.centroid.coords[0])} joins {len(near)} panels"
+                f"panels_of_sheet: the ligament around {place_of(piece.centroid.coords[0])} joins "
+                f"{counted(len(near), 'panel')}"
             )
         if len(near) == 2:  # else it is a corner that growing back did not fill
             between.setdefault(near, []).append(piece)
@@ -141,7 +143,9 @@ def ligament_sheet(tiling: Tiling, width: float, length: float) -> shapely.Polyg
         at = tiling.vertices[joint]
         corners = [_bisector(tiling, k, joint) for k, polygon in enumerate(tiling.polygons) if joint in polygon]
         if len(corners) != 2:
-            raise GeometryError(f"ligament_sheet: {len(corners)} panels meet at the joint {place_of(at)}, not two")
+            raise GeometryError(
+                f"ligament_sheet: {counted(len(corners), 'panel')} meet at the joint {place_of(at)}, not two"
+            )
         clips.append(shapely.Point(at).buffer(length / 2, quad_segs=8))
         along = corners[0] - corners[1]
         along /= np.linalg.norm(along)

@@ -30,6 +30,7 @@ from kirigami.primitives.checks import (
     shown,
 )
 from kirigami.primitives.kernel import Array
+from kirigami.words import counted
 
 if TYPE_CHECKING:
     from kirigami.effects.angle_limit import AngleLimit
@@ -434,7 +435,7 @@ class Tiling:
     def __str__(self) -> str:
         kind = "" if self.lattice is None else "Periodic "
         joints = len(self.joints)
-        text = f"{kind}tiling of {len(self.panels)} panels with {joints} joint{'s' if joints != 1 else ''}"
+        text = f"{kind}tiling of {counted(len(self.panels), 'panel')} with {counted(joints, 'joint')}"
         return text[0].upper() + text[1:]
 
     def __repr__(self) -> str:

@@ -25,6 +25,7 @@ from kirigami.study.shape.moves import Moves
 from kirigami.study.shape.relaxation import Relaxed, Relaxer
 from kirigami.study.shape.study import Shape, ShapeStudy
 from kirigami.study.shape.trials import Descents, TrialLog, from_text, running, start_of
+from kirigami.words import counted
 
 CHEAP, TRUSTED = "plate", "shell"
 OWN = ("", CHEAP, "paper", "calibration")  # searched as they are: no sheets, cheap ones, and other constants
@@ -74,8 +75,8 @@ class ShapeSearch:
         for step in starts:
             if len(step.u) != len(model.nodes) or abs(step.lam - at) > 1e-9 * max(abs(at), 1.0):
                 raise ModelError(
-                    f"shapes: a start has {len(step.u)} nodes at load factor {step.lam:.6g}, but the model has "
-                    f"{len(model.nodes)} and is looked at at {at:.6g}"
+                    f"shapes: a start has {counted(len(step.u), 'node')} at load factor {step.lam:.6g}, but the model "
+                    f"has {len(model.nodes)} and is looked at at {at:.6g}"
                 )
         rung = "" if model.sheet_constants is None else model.sheet_constants.rung
         self.searched = (_twin(model, CHEAP) if rung not in OWN else None) or model
@@ -127,7 +128,9 @@ class ShapeSearch:
                 # What an earlier call has written down is taken from there; a start costs little beside its descent.
                 missing = [number for number in numbers if number >= len(log.rows)]
                 if missing and self.spent > LOOKING * self.budget and self._known.kinds:
-                    self.notes.append(f"the budget of {self.budget:g} CPU seconds ended the search after {done} trials")
+                    self.notes.append(
+                        f"the budget of {self.budget:g} CPU seconds ended the search after {counted(done, 'trial')}"
+                    )
                     break
                 tried = {row["told"] for row in log.rows[: numbers.stop]}
                 starts = []
@@ -143,7 +146,9 @@ class ShapeSearch:
                 done = numbers.stop
                 self.bar.move(0.5 * done / trials)
         if not self._known.kinds:
-            raise AnalysisError(f"shapes: none of {done} starts led to a stable shape, the last one: {self._why()}")
+            raise AnalysisError(
+                f"shapes: none of {counted(done, 'start')} led to a stable shape, the last one: {self._why()}"
+            )
 
     def _sort(self, number: int, row: dict[str, Any]) -> None:
         """Count the shape of a trial."""
@@ -192,7 +197,7 @@ class ShapeSearch:
             if not same and count >= most:
                 break
             if not same and self._listed.kinds and self.spent > self.budget:
-                self.notes.append(f"the budget left no time to carry over more than {count} shapes")
+                self.notes.append(f"the budget left no time to carry over more than {counted(count, 'shape')}")
                 break
             relaxed = self._try(self._own, kind.u)
             if relaxed is None:
@@ -210,7 +215,8 @@ class ShapeSearch:
         first: dict[int, int] = {}
         for count, kind in enumerate(self._listed.ordered()[:most]):
             if count and self.spent > self.budget:
-                self.notes.append(f'the budget left no time to relax more than {count} shapes on "{TRUSTED}"')
+                done = counted(count, "shape")
+                self.notes.append(f'the budget left no time to relax more than {done} on "{TRUSTED}"')
                 return
             relaxed = self._try(trusted, kind.u)
             if relaxed is None:

@@ -18,6 +18,7 @@ from kirigami.results.step import Step
 from kirigami.study.shape.known import KnownShapes
 from kirigami.study.shape.links import Branch, Link
 from kirigami.study.shape.relaxation import Relaxed, Relaxer
+from kirigami.words import counted
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -154,8 +155,8 @@ class ShapeStudy:
         require_instance(step, Step, "step", "ShapeStudy.which")
         if len(step.u) != len(self.model.nodes) or abs(step.lam - self.at) > 1e-9 * max(abs(self.at), 1.0):
             raise ModelError(
-                f"ShapeStudy.which: the step has {len(step.u)} nodes and load factor {step.lam:.6g}; the shapes have "
-                f"{len(self.model.nodes)} and {self.at:.6g}"
+                f"ShapeStudy.which: the step has {counted(len(step.u), 'node')} and load factor {step.lam:.6g}; the "
+                f"shapes have {len(self.model.nodes)} and {self.at:.6g}"
             )
         assert self._known is not None
         kind = self._known.find(step.u, *Relaxer(self.model, self.at, 1.0).energy_and_force(step))
@@ -209,7 +210,8 @@ class ShapeStudy:
         done = sum(row["status"] == "done" for row in self.trials)
         more = f', of {self.found} found on "{self.searched}"' if self.found > len(self) else ""
         lines = [
-            f"{len(self)} shapes at load factor {self.at:g}{rung}{more}; {done} of {len(self.trials)} trials ended in "
+            f"{counted(len(self), 'shape')} at load factor {self.at:g}{rung}{more}; {done} of "
+            f"{counted(len(self.trials), 'trial')} ended in "
             f"one, {self.cpu_seconds:.0f} CPU s",
             '| shape | energy | force | times | arrangements | energy, force on "shell" | reached by | it leads to |',
             "| --- | --- | --- | --- | --- | --- | --- | --- |",

@@ -1,0 +1,27 @@
+"""Numbers of things in words."""
+
+from __future__ import annotations
+
+
+def counted(number: float, what: str, many: str | None = None, *, spec: str = "") -> str:
+    """A number of things: "1 curve", "2 curves".
+
+    Parameters
+    ----------
+    number : int or float
+        How many.
+    what : str
+        One of them.
+    many : str, optional
+        Several of them, where that is not `what` with an s.
+    spec : str
+        How the number is written, as in ``f"{number:,}"``. What is written "1" is one.
+
+    Examples
+    --------
+    >>> from kirigami.words import counted
+    >>> counted(1, "cut"), counted(0, "cut"), counted(1200, "vertex", "vertices", spec=","), counted(1.5, "degree")
+    ('1 cut', '0 cuts', '1,200 vertices', '1.5 degrees')
+    """
+    text = format(number, spec)
+    return f"{text} {what if text == '1' else many or f'{what}s'}"

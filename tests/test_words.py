@@ -1,0 +1,86 @@
+"""Numbers of things are told in words by one function, which knows one from many."""
+
+import ast
+import functools
+import re
+from pathlib import Path
+
+import pytest
+
+import kirigami as kg
+from kirigami.words import counted
+
+ROOT = Path(kg.__file__).parent
+ELSEWHERE = {"linalg", "analysis/path"}
+FILES = [file for file in sorted(ROOT.rglob("*.py")) if not any(f"/{part}/" in str(file) for part in ELSEWHERE)]
+OTHER = {"runs", "starts", "folds", "numbers"}  # "cut 3 runs along the outline", "a list of node numbers"
+
+
+@functools.cache
+def trees():
+    return {file: [*ast.walk(ast.parse(file.read_text()))] for file in FILES}
+
+
+def things():
+    """What the package counts anywhere, several of it: "nodes", "vertices", ..."""
+    found = set()
+    for node in (node for nodes in trees().values() for node in nodes if isinstance(node, ast.Call)):
+        if getattr(node.func, "id", None) == "counted":
+            words = [argument.value for argument in node.args[1:] if isinstance(argument, ast.Constant)]
+            found.update({(words[1] if len(words) > 1 else f"{words[0]}s").split()[-1]} if words else ())
+    return found
+
+
+def test_one_of_a_thing_is_one_thing():
+    assert counted(1, "cut") == "1 cut" and counted(1.0, "degree", spec=".3g") == "1 degree"
+    assert counted(0, "cut") == "0 cuts" and counted(11, "cut") == "11 cuts" and counted(-2, "cut") == "-2 cuts"
+    assert counted(1, "vertex", "vertices") == "1 vertex" and counted(2, "vertex", "vertices") == "2 vertices"
+    assert counted(0.999999, "degree", spec=".3g") == "1 degree"  # as it is read, not as it is
+
+
+def test_no_sentence_of_the_package_counts_by_itself():
+    """A number that is written straight before what `counted` counts elsewhere; constants are many."""
+    several = "|".join(things())
+    straight = re.compile(rf" (?:(?:stored|negative|final|stable|smaller|more|lattice|zero) )?({several})\b")
+    wrong = []
+    for file, nodes in trees().items():
+        for text in (node for node in nodes if isinstance(node, ast.JoinedStr)):
+            for value, after in zip(text.values, text.values[1:]):
+                if not isinstance(value, ast.FormattedValue) or not isinstance(after, ast.Constant):
+                    continue
+                told, found = ast.unparse(value.value), straight.match(after.value)
+                written = value.conversion == ord("r") or "shown(" in told or "proposal(" in told
+                rounded = value.format_spec is not None and "e" in ast.unparse(value.format_spec).strip("f'\"")
+                names = [node.id for node in ast.walk(value.value) if isinstance(node, ast.Name)]
+                if not found or written or rounded or any(name.isupper() for name in names):
+                    continue
+                if not (found[1] in OTHER and isinstance(value.value, ast.Name)):
+                    wrong.append(f"{file.relative_to(ROOT)}:{value.lineno}: {told}{after.value[:40]!r}")
+    assert len(things()) > 40 and not wrong, "\n".join(wrong)
+
+
+def small():
+    """Two nodes, one of which moves along x."""
+    model = kg.Model(dim=2)
+    left, right = kg.Node(0, 0), kg.Node(1, 0)
+    model.add(left, right, kg.Bar(left, right, EA=1.0), kg.Fix(left), kg.Fix(right, dofs="y"))
+    model.add(kg.NodalLoad(right, (1, 0)))
+    return model, left, right
+
+
+def test_what_there_is_one_of_is_told_so():
+    model, left, right = small()
+    results = kg.LinearStatic(model).run()
+    for name in ("iterations", "factorizations", "cutbacks", "relaxations"):
+        results.stats[name] = 1
+    shown = [results, *results, model, *model.constraints, *model.loads, kg.Mass(left, 1), kg.Spring(left, (1, 1, 0))]
+    told = [results.summary(), *map(repr, shown), repr(kg.Eigen(model, n=1, mass=[1, 1]).run())]
+    for text in told:
+        assert not re.search(r"(?<![\d.])1 (?:\w+ )?\w+s\b", text), text
+    assert "1 cutback," in told[0] and "2 nodes in 2D, 1 unknown\n" in told[0]
+
+
+@pytest.mark.parametrize("angle, words", [(1, "1 degree"), (30, "30 degrees")])
+def test_angles_in_words(angle, words):
+    model, left, right = small()
+    assert f"{words} about" in repr(kg.Turn([right], angle))
