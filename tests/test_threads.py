@@ -4,7 +4,9 @@ import numpy as np
 import pytest
 
 import kirigami as kg
-from kirigami.linalg import factorize, multifrontal
+from kirigami.linalg import compiled_fronts, factorize, multifrontal, plain_fronts
+from kirigami.linalg.front_plan import Eliminated
+from kirigami.linalg.plain_fronts import PlainElimination
 from kirigami.linalg.subtrees import shares
 from kirigami.primitives.processors import processors
 
@@ -13,7 +15,7 @@ THREADS = (1, 2, 3)
 
 @pytest.fixture(scope="module")
 def sheet():
-    mesh = kg.Sheet([(0, 0), (3, 0), (3, 2), (0, 2)], [[(0.5, 1), (2.5, 1)]]).mesh(0.12)
+    mesh = kg.Sheet([(0, 0), (3, 0), (3, 2), (0, 2)], [[(0.5, 1), (2.5, 1)]]).mesh(0.2)
     model = kg.Model.from_mesh(mesh, 0.01, kg.Material(1e6, 0.3), stiffness="shell")
     model.add(kg.Fix(model.select(boundary="left"), clamp=True), kg.Prescribe(model.select(boundary="right"), x=-0.05))
     system = kg.System(model)
@@ -21,48 +23,51 @@ def sheet():
 
 
 @pytest.mark.parametrize("halved", [2, 10**9])
-def test_a_factor_is_the_same_for_any_number_of_threads(sheet, monkeypatch, halved):
-    """Also where it is indefinite: a squeezed sheet, whose negative eigenvalues are counted alike; and where threads
-    share fronts."""
-    system, u = sheet
-    monkeypatch.setattr(multifrontal, "HALVED", halved)
-    matrix, right = system.matrix(system.stiffness_blocks(u, 1.0)), system.reduce(system.forces(u, 1.0)[0])
-    found = []
-    for threads in THREADS:
-        monkeypatch.setattr(multifrontal, "threads_for", lambda numbers, threads=threads: threads)
-        factor = factorize(matrix)
-        assert factor.backend == "multifrontal"
-        found.append((factor.negative, factor.solve(right)))
-    assert found[0][0] > 0
-    for negative, solution in found[1:]:
-        assert negative == found[0][0]
-        np.testing.assert_array_equal(solution, found[0][1])
-    assert np.linalg.norm(matrix @ found[0][1] - right) < 1e-9 * np.linalg.norm(right)
-
-
-def test_compiled_solutions_are_the_same_for_any_number_of_threads(sheet, monkeypatch):
-    """Bit by bit, and those of plain loops up to rounding; an indefinite factor does without them."""
+def test_a_factor_is_the_same_whoever_eliminates(sheet, monkeypatch, halved):
+    """Compiled loops in any number of threads, and Python: bit by bit, also where it is indefinite, as in a squeezed
+    sheet, whose negative eigenvalues are counted alike, and where threads share fronts. Solutions are the same bit by
+    bit for any number of threads, and as Python finds them up to rounding."""
     pytest.importorskip("numba")
     system, u = sheet
-    rest, squeezed = (system.matrix(system.stiffness_blocks(share * u, share)) for share in (0.0, 1.0))
-    right = np.random.default_rng(0).normal(size=system.free)
+    for module in (compiled_fronts, plain_fronts):
+        monkeypatch.setattr(module, "HALVED", halved)
     monkeypatch.setattr(multifrontal, "COMPILED", 1)
-    for least in (1, 10**9):  # in two halves and a rest, and as a whole
-        monkeypatch.setattr(multifrontal, "LARGE", least)
+    right = np.random.default_rng(0).normal(size=system.free)
+    for share, least in ((0.0, 1), (0.0, 10**9), (1.0, 1), (1.0, 10**9)):
+        monkeypatch.setattr(multifrontal, "LARGE", least)  # solutions in two halves and a rest, and as a whole
+        matrix = system.matrix(system.stiffness_blocks(share * u, share))
         found = []
         for threads in THREADS:
             monkeypatch.setattr(multifrontal, "threads_for", lambda numbers, threads=threads: threads)
-            factor = factorize(rest)
-            assert factor._solve_plan is not None and (len(factor._solve_plan._halves) == 2) == (least == 1)
-            found.append(factor.solve(right))
-        for solution in found[1:]:
-            np.testing.assert_array_equal(solution, found[0])
-        monkeypatch.setenv("KIRIGAMI_COMPILED", "0")
-        plain = factorize(rest)
-        monkeypatch.delenv("KIRIGAMI_COMPILED")
-        assert plain._solve_plan is None
-        np.testing.assert_allclose(found[0], plain.solve(right), rtol=0, atol=1e-9 * np.abs(found[0]).max())
-    assert factorize(squeezed)._solve_plan is None
+            factor = factorize(matrix)
+            assert factor.backend == "multifrontal" and (len(factor._loops._halves) == 2) == (least == 1)
+            assert (factor.negative > 0) == (share > 0)
+            found.append((*factor._made, factor.solve(right)))
+        for other in found[1:]:
+            for one, two in zip(found[0], other):
+                np.testing.assert_array_equal(one, two)
+        plain = Eliminated.from_matrix(factor._plan, matrix.data)
+        PlainElimination(factor._plan, plain).eliminate(np.arange(len(factor._plan.pivots)))
+        for one, two in zip(found[0], plain):
+            np.testing.assert_array_equal(one, two)
+        solution = plain_fronts.solve(factor._plan, plain, right)
+        np.testing.assert_allclose(found[0][-1], solution, rtol=0, atol=1e-9 * np.abs(solution).max())
+        assert np.linalg.norm(matrix @ found[0][-1] - right) < 1e-9 * np.linalg.norm(right)
+
+
+def test_nothing_is_compiled_where_that_is_not_wanted(sheet, monkeypatch):
+    """The answers are the same up to rounding."""
+    pytest.importorskip("numba")
+    system, u = sheet
+    monkeypatch.setattr(multifrontal, "COMPILED", 1)
+    matrix, right = system.matrix(system.stiffness_blocks(u, 1.0)), system.reduce(system.forces(u, 1.0)[0])
+    compiled = factorize(matrix)
+    monkeypatch.setenv("KIRIGAMI_COMPILED", "0")
+    plain = factorize(matrix)
+    assert compiled._loops is not None and plain._loops is None
+    assert plain.negative == compiled.negative > 0
+    expected = compiled.solve(right)
+    np.testing.assert_allclose(plain.solve(right), expected, rtol=0, atol=1e-7 * np.abs(expected).max())
 
 
 def test_forces_and_tangent_are_the_same_for_any_number_of_threads(sheet, monkeypatch):

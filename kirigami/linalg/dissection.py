@@ -23,7 +23,6 @@ Index = NDArray[np.int64]
 
 LANDMARKS = 4
 OFF_MIDDLE = 0.2  # how far from the middle a cut may lie, as a share of the part
-LEAF = 100  # unknowns of a part that is not cut any more
 
 
 class Fronts(NamedTuple):
@@ -47,7 +46,7 @@ class Graph(NamedTuple):
     weight: Index
 
 
-def dissect(matrix: Any, leaf: int = LEAF) -> Fronts:
+def dissect(matrix: Any, leaf: int) -> Fronts:
     """Fronts of a sparse matrix (CSC) with a symmetric pattern.
 
     Parameters

@@ -17,7 +17,8 @@ Routine = Callable[..., None]
 
 
 @cache
-def _routine(module: str, name: str) -> Routine:
+def address(module: str, name: str) -> int:
+    """Where a routine that SciPy offers to Cython begins, as ("cython_blas", "dgemm")."""
     import importlib
 
     capsule = importlib.import_module(f"scipy.linalg.{module}").__pyx_capi__[name]
@@ -25,8 +26,13 @@ def _routine(module: str, name: str) -> Routine:
     api.PyCapsule_GetName.restype, api.PyCapsule_GetName.argtypes = ctypes.c_char_p, [ctypes.py_object]
     api.PyCapsule_GetPointer.restype = ctypes.c_void_p
     api.PyCapsule_GetPointer.argtypes = [ctypes.py_object, ctypes.c_char_p]
-    address = api.PyCapsule_GetPointer(capsule, api.PyCapsule_GetName(capsule))
-    found: Routine = ctypes.CFUNCTYPE(None)(address)
+    found: int = api.PyCapsule_GetPointer(capsule, api.PyCapsule_GetName(capsule))
+    return found
+
+
+@cache
+def _routine(module: str, name: str) -> Routine:
+    found: Routine = ctypes.CFUNCTYPE(None)(address(module, name))
     return found
 
 
@@ -45,15 +51,6 @@ def _at(values: Array) -> Any:
 def _row(block: Array) -> Any:
     """Numbers from one row of a block to the next; it may be part of a larger one."""
     return _whole(block.strides[0] // block.itemsize)
-
-
-def cholesky(pivot: Array) -> int:
-    """Factor L of a block (p, p) whose entry [column, row] counts where row >= column, in its place; 0 where it is
-    positive definite."""
-    info = ctypes.c_int(0)
-    p = len(pivot)
-    _routine("cython_lapack", "dpotrf")(b"L", _whole(p), _at(pivot), _whole(p), ctypes.byref(info))
-    return info.value
 
 
 def pack(square: Array, packed: Array) -> None:
@@ -85,10 +82,11 @@ def take_off(outer: Array, kept: float, rest: Array) -> None:
 
 
 def take_off_product(first: Array, second: Array, kept: float, rest: Array) -> None:
-    """`kept` times a block (q, r) less first' second, in its place."""
+    """`kept` times a block (q, r) less first' second, in its place; `first` (p, q) lies in either order."""
     (p, q), r = first.shape, second.shape[1]
+    turned, row = (b"N", _whole(p)) if first.flags.f_contiguous else (b"T", _row(first))
     _routine("cython_blas", "dgemm")(
-        b"N", b"T", _whole(r), _whole(q), _whole(p), _real(-1.0), _at(second), _row(second), _at(first), _row(first),
+        b"N", turned, _whole(r), _whole(q), _whole(p), _real(-1.0), _at(second), _row(second), _at(first), row,
         _real(kept), _at(rest), _row(rest),
     )  # fmt: skip
 

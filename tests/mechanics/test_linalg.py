@@ -19,21 +19,25 @@ from kirigami.linalg import (
     lowest_eigenpairs,
     lowest_of_pencil,
     make_solver,
+    multifrontal,
     nearby_factor,
 )
 from kirigami.linalg.dissection import dissect
 from kirigami.linalg.multifrontal import MultifrontalFactor
 from kirigami.linalg.threads import one_thread
 
-NAMES = [
-    pytest.param(
-        name,
-        marks=pytest.mark.skipif(
-            name == "rslab" and importlib.util.find_spec("rslab") is None, reason="rslab is not installed"
-        ),
-    )
-    for name in BACKENDS
-]
+needs_rslab = pytest.mark.skipif(importlib.util.find_spec("rslab") is None, reason="rslab is not installed")
+needs_numba = pytest.mark.skipif(importlib.util.find_spec("numba") is None, reason="numba is not installed")
+MARKS = {"rslab": needs_rslab, "compiled": needs_numba}
+
+
+@pytest.fixture(params=[pytest.param(name, marks=MARKS.get(name, ())) for name in (*BACKENDS, "compiled")])
+def name(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> str:
+    """Name of a back end; "compiled" is the default with the loops that larger matrices are worth."""
+    if request.param != "compiled":
+        return str(request.param)
+    monkeypatch.setattr(multifrontal, "COMPILED", 1)
+    return "multifrontal"
 
 
 def grid(columns: int, rows: int) -> csc_matrix:
@@ -63,7 +67,6 @@ def relative_error(matrix: csc_matrix, solution: np.ndarray, rhs: np.ndarray) ->
     return float(np.linalg.norm(matrix @ solution - rhs) / np.linalg.norm(rhs))
 
 
-@pytest.mark.parametrize("name", NAMES)
 @pytest.mark.parametrize("shift", [0.0, 0.5, 3.0, 12.0, 40.0])
 def test_solution_and_inertia_against_dense_eigenvalues(name: str, shift: float) -> None:
     matrix = csc_matrix(grid(14, 11) - shift * identity(3 * 14 * 11))
@@ -75,7 +78,6 @@ def test_solution_and_inertia_against_dense_eigenvalues(name: str, shift: float)
     assert factor.backend == name
 
 
-@pytest.mark.parametrize("name", NAMES)
 @pytest.mark.parametrize("shift", [0.0, 12.0])
 def test_some_right_hand_sides_at_once(name: str, shift: float) -> None:
     """Columns solve as they do one by one, also none, only one, a zero one, and where pivots are exchanged."""
@@ -90,7 +92,6 @@ def test_some_right_hand_sides_at_once(name: str, shift: float) -> None:
             assert np.allclose(some[:, column], one, rtol=0, atol=1e-10 * np.abs(one).max())
 
 
-@pytest.mark.parametrize("name", NAMES)
 def test_random_indefinite_matrices(name: str) -> None:
     for seed in range(5):
         rng = np.random.default_rng(seed)
@@ -102,7 +103,6 @@ def test_random_indefinite_matrices(name: str) -> None:
         assert factor.negative == np.count_nonzero(np.linalg.eigvalsh(matrix.toarray()) < 0)
 
 
-@pytest.mark.parametrize("name", NAMES)
 def test_saddle_point_with_zeros_on_the_diagonal(name: str) -> None:
     """Constraints by multipliers: as many negative eigenvalues as constraints, and no pivot to start from."""
     stiff = grid(9, 8)
@@ -117,7 +117,6 @@ def test_saddle_point_with_zeros_on_the_diagonal(name: str) -> None:
     assert factor.negative == 20
 
 
-@pytest.mark.parametrize("name", NAMES)
 def test_tangents_of_a_sheet_agree_between_back_ends(name: str) -> None:
     system = slit_sheet()
     rng = np.random.default_rng(0)
@@ -137,7 +136,6 @@ def test_tangents_of_a_sheet_agree_between_back_ends(name: str) -> None:
     assert counts[0] == 0 and counts[-1] > 50
 
 
-@pytest.mark.parametrize("name", NAMES)
 def test_results_of_a_path_do_not_depend_on_the_back_end(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
     ends = []
     for chosen in ("superlu", name):
@@ -152,7 +150,6 @@ def test_results_of_a_path_do_not_depend_on_the_back_end(name: str, monkeypatch:
     assert negative == other_negative
 
 
-@pytest.mark.parametrize("name", NAMES)
 def test_a_singular_matrix_gives_the_typed_error(name: str) -> None:
     loose = csc_matrix(diags([-1.0, 2.0, -1.0], [-1, 0, 1], shape=(50, 50)).tolil())
     loose = csc_matrix(loose - diags(np.eye(50)[0] + np.eye(50)[-1]))  # a chain of springs without support
@@ -163,7 +160,6 @@ def test_a_singular_matrix_gives_the_typed_error(name: str) -> None:
         make_solver(name).factorize(csc_matrix((4, 4))).solve(np.ones(4))
 
 
-@pytest.mark.parametrize("name", NAMES)
 def test_soft_is_not_singular(name: str) -> None:
     """A cantilever of N stiff links on springs k, pushed at its tip: P l^2 N (N + 1) (2 N + 1) / (6 k), of any length.
 
@@ -199,7 +195,6 @@ def test_thin_sheets_bend_as_thick_ones(rung: str) -> None:
     assert tips == pytest.approx([tips[0]] * 3, rel=1e-8)
 
 
-@pytest.mark.parametrize("name", NAMES)
 def test_one_solver_for_changing_values_and_changing_patterns(name: str) -> None:
     solver = make_solver(name)
     rng = np.random.default_rng(1)
@@ -211,7 +206,6 @@ def test_one_solver_for_changing_values_and_changing_patterns(name: str) -> None
     assert np.allclose(first.solve(rhs), 2.0 * second.solve(rhs), rtol=1e-12)  # factors live side by side
 
 
-@pytest.mark.parametrize("name", NAMES)
 @pytest.mark.parametrize("upper", [False, True])
 def test_a_sum_of_matrices_may_have_lost_entries_on_one_side(name: str, upper: bool) -> None:
     """Where two terms cancel to rounding above the diagonal and to zero below it, or the other way about."""
@@ -227,7 +221,6 @@ def test_a_sum_of_matrices_may_have_lost_entries_on_one_side(name: str, upper: b
     np.testing.assert_allclose(found, np.linalg.solve(matrix.toarray(), load), rtol=1e-9)
 
 
-@pytest.mark.parametrize("name", NAMES)
 def test_small_matrices(name: str) -> None:
     assert make_solver(name).factorize(csc_matrix((0, 0))).solve(np.zeros(0)).shape == (0,)
     factor = make_solver(name).factorize(csc_matrix([[-4.0]]))
@@ -298,7 +291,7 @@ def test_fill_grows_like_n_log_n_on_grids() -> None:
     """Nested dissection of a square grid leaves O(n log n) entries (George 1973); bands would leave n^1.5."""
     entries = []
     for size in (20, 80):
-        fronts = dissect(grid(size, size))
+        fronts = dissect(grid(size, size), leaf=100)
         pivots = np.diff(fronts.starts)
         border = np.array([len(b) for b in fronts.borders])
         entries.append((pivots * (pivots + 1) / 2 + pivots * border).sum() / (3 * size**2))
