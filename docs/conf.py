@@ -65,7 +65,7 @@ napoleon_use_param = False  # types are plain words, not names to link to
 napoleon_use_rtype = False
 napoleon_use_ivar = True  # attributes are described once, with their class
 
-myst_enable_extensions = ["colon_fence"]
+myst_enable_extensions = ["colon_fence", "dollarmath"]
 myst_heading_anchors = 2
 nb_execution_mode = "cache"
 nb_execution_cache_path = str(HERE / "_build" / "notebooks")

@@ -71,6 +71,13 @@ def test_the_formulas_are_those_at_the_head_of_the_files() -> None:
     assert formulas.PAGE.read_text(encoding="utf-8") == formulas.page(), "run: python tools/formulas.py"
 
 
+def test_formulas_of_pages_are_formulas_on_the_site() -> None:
+    """They stood there as TeX: the syntax has to be asked for, which a list of other syntaxes had switched off."""
+    parts = [re.sub(r"^```.*?^```", "", page.read_text(), flags=re.DOTALL | re.MULTILINE) for page in WRITTEN]
+    assert any(re.search(r"\$[^$\n]+\$", part) for part in parts)
+    assert re.search(r'^myst_enable_extensions = .*"dollarmath"', (ROOT / "docs" / "conf.py").read_text(), re.MULTILINE)
+
+
 def test_every_page_stands_in_the_contents_of_the_site() -> None:
     (listed,) = re.findall(r'^PAGES = """(.*?)"""', (ROOT / "docs" / "conf.py").read_text(), re.DOTALL | re.MULTILINE)
     there = {page.stem for page in WRITTEN if page.parent.name == "docs"} - {"index", "reference"}

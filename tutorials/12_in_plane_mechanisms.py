@@ -9,9 +9,11 @@ from __future__ import annotations
 
 import math
 
+import matplotlib.pyplot as plt
 import numpy as np
 
 import kirigami as kg
+from kirigami.lattice.picture import plot_tiling
 
 # %% [markdown]
 # ## One hinge
@@ -55,6 +57,10 @@ rigidity = kg.Framework.from_tiling(open_squares, bracing="crossed").rigidity()
 print(f"rotating squares: {rigidity}")
 (mode,) = rigidity.shapes
 path = rigidity.framework.follow(mode, distance=2.0, steps=30)
+figure, axes = plt.subplots(1, 2, figsize=(7, 3.4), layout="constrained")
+plot_tiling(open_squares, ax=axes[0]).set_title("open")
+plot_tiling(open_squares, path[-1], ax=axes[1]).set_title("followed")
+plt.show()
 
 # %% [markdown]
 # ## Springs, and the stiffness of a periodic cell
@@ -99,11 +105,14 @@ print(f"twice as thick, {onset[0.1] / onset[0.05]:.3f} times the strain: bending
 # which edge the soft motions of a finite piece are pushed.
 
 # %%
-for angle in (1.08, 1.92):
+figure, axes = plt.subplots(1, 2, figsize=(7, 2.8), layout="constrained")
+for angle, ax in zip((1.08, 1.92), axes):
     kagome = kg.Framework.from_tiling(kg.tilings.kagome(angle))
     (twist,) = kg.bloch.guest_modes(kagome)
     soft = kg.bloch.polarization(kagome) + 0.0
     print(f"angle {angle}: polarisation {soft}, Poisson's ratio of the twist {twist.poisson:.3f}")
+    plot_tiling(kg.tilings.kagome(angle).patch(5, 4), ax=ax).set_title(f"angle {angle}")
+plt.show()
 
 # %% [markdown]
 # ## The soft edge

@@ -103,12 +103,12 @@ for res in (through, held):
     print(*(event.message for event in res.events if event.kind in ("contact", "crossing")), sep="\n")
 met = next(event for event in held.events if event.kind == "contact")
 
-figure, ax = plt.subplots(figsize=(5, 3), layout="constrained")
+figure, ax = plt.subplots(figsize=(5, 4), layout="constrained")
 for name, res in (("through itself", through), ("with contact", held)):
     x, _, z = res.position()[-1, ::2].T
     ax.plot(1e3 * x, 1e3 * z, ".-", markersize=3, label=name)
 ax.set(xlabel="x [mm]", ylabel="z [mm]", aspect="equal")
-ax.legend()
+figure.legend(loc="outside right center")
 plt.show()
 
 # %% [markdown]
