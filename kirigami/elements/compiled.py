@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kirigami.elements import compiled_loops, held_loops
-from kirigami.primitives.kernel import Array, Configuration, Tangent, displacement_of
+from kirigami.primitives.kernel import Array, CompiledKernel, Configuration, Tangent, displacement_of
 
 if TYPE_CHECKING:
     from kirigami.elements.bar import BarKernel
@@ -22,8 +22,10 @@ if TYPE_CHECKING:
 Index = NDArray[np.int64]
 
 
-class CompiledBars:
+class CompiledBars(CompiledKernel):
     """Twin of the bars in Green strain with a linear law, in three dimensions."""
+
+    _kernel: BarKernel
 
     def __init__(self, kernel: BarKernel) -> None:
         self._kernel = kernel
@@ -45,8 +47,10 @@ class CompiledBars:
         compiled_loops.bar_blocks(*self._state(x, lam), stress, tangent.convexity, slots, blocks)
 
 
-class CompiledHinges:
+class CompiledHinges(CompiledKernel):
     """Twin of the bending hinges."""
+
+    _kernel: BendHingeKernel
 
     def __init__(self, kernel: BendHingeKernel) -> None:
         self._kernel = kernel
@@ -64,8 +68,10 @@ class CompiledHinges:
         compiled_loops.hinge_blocks(*self._state(x, lam), tangent.convexity, slots, blocks)
 
 
-class CompiledHeldEdges:
+class CompiledHeldEdges(CompiledKernel):
     """Twin of the held edges of bars and hinges, each of which is one turn of its facet."""
+
+    _kernel: HeldEdgeKernel
 
     def __init__(self, kernel: HeldEdgeKernel) -> None:
         self._kernel = kernel

@@ -14,7 +14,7 @@ from kirigami.elements import shell_lanes, shell_loops, shell_sections
 from kirigami.elements.compiled_yield import CompiledLayers
 from kirigami.elements.shell_kernel import SHARE
 from kirigami.elements.shell_lane_rows import LANES
-from kirigami.primitives.kernel import Array, Configuration, Tangent, displacement_of
+from kirigami.primitives.kernel import Array, CompiledKernel, Configuration, Tangent, displacement_of
 from kirigami.primitives.processors import processors
 
 if TYPE_CHECKING:
@@ -27,8 +27,10 @@ NONE = np.empty(0, np.int64), np.empty((0, 18)), np.empty((0, 3, 6, 6))  # no fa
 MANY = 4000  # facets from which on threads gain more than they cost
 
 
-class CompiledShell:
+class CompiledShell(CompiledKernel):
     """Twin of :class:`kirigami.elements.shell_kernel.ShellFacetKernel`, with each facet's numbers side by side."""
+
+    _kernel: ShellFacetKernel
 
     def __init__(self, kernel: ShellFacetKernel) -> None:
         self._kernel = kernel
@@ -43,31 +45,44 @@ class CompiledShell:
         self._stored, self._scale = _by_facet(kernel._stored), _by_facet(kernel._angle_scale)
         root = _root(kernel.section, kernel.chart.area)
         stretch, couple, bend = _weighted(root, membrane.to_strain, bending.to_curvature)
-        self._lanes = (
+        lanes = (
             *map(_in_lanes, (kernel._rest_vectors, membrane.per_square, membrane.mean_forms, stretch)),
             _in_lanes(couple) if kernel.coupled else np.empty((0, 9, 15, LANES)),
             *map(_in_lanes, (bend, bending.second, kernel._rest_angles, kernel._rest_curvatures)),
         )
-        self._of_edges = kernel._edge, kernel._stored, _in_lanes(kernel._angle_scale)
+        self._lanes = (*lanes, _in_lanes(kernel._angle_scale))
         self._tangents = _in_lanes(np.moveaxis(kernel.chart.tangent, 0, -1))
 
     @cached_property
     def _root(self) -> Array:
         return _root(self._kernel.section, self._kernel.chart.area)
 
-    def _state(self, x: Array, lam: float) -> tuple[Any, ...]:
+    def _at(self, x: Array, lam: float) -> tuple[Any, ...]:
+        """What the loops in lanes are given."""
         kernel = self._kernel
-        natural = kernel.natural(lam)
+        u = np.ascontiguousarray(displacement_of(x, kernel.rest), dtype=float)
+        return (
+            kernel.conn, np.ascontiguousarray(x, dtype=float), u, self._lanes, kernel._directors, kernel._edge,
+            kernel._stored, self._released(lam),
+        )  # fmt: skip
+
+    def _one_by_one(self, x: Array, lam: float) -> tuple[Any, ...]:
+        """What loops that take one facet after the other are given."""
+        kernel = self._kernel
         u = np.ascontiguousarray(displacement_of(x, kernel.rest), dtype=float)
         directors = _by_facet(kernel._local_directors())
         return (
             kernel.conn, np.ascontiguousarray(x, dtype=float), u, self._rest, *self._membrane, *self._matrices,
-            *self._section, directors, self._stored, self._scale,
-            NOTHING if natural is None else np.ascontiguousarray(natural),
+            *self._section, directors, self._stored, self._scale, self._natural(lam),
         )  # fmt: skip
 
-    def _released(self, natural: Array) -> Array:
-        """What facets bear nothing at (n, 6), weighted as the measures are, in lanes (count, 18, LANES)."""
+    def _natural(self, lam: float) -> Array:
+        natural = self._kernel.natural(lam)
+        return NOTHING if natural is None else np.ascontiguousarray(natural)
+
+    def _released(self, lam: float) -> Array:
+        """What facets bear nothing at, weighted as the measures are, in lanes (count, 18, LANES), or nothing."""
+        natural = self._natural(lam)
         if not len(natural):
             return np.empty((0, 18, LANES))
         # it is the same at all corners, so that each row of SHARE counts as its sum
@@ -87,22 +102,23 @@ class CompiledShell:
             total += target
         return float(sum(value or 0.0 for value in found))
 
-    def _answers(self, state: tuple[Any, ...], lam: float, tangent: bool) -> tuple[Index, Array, Array]:
+    def _answers(self, x: Array, lam: float, tangent: bool) -> tuple[Index, Array, Array]:
         """Which facets answer by a law of their own, as places (n,) or nothing, with derivatives by the fields (k, 18)
         and sections (k, 3, 6, 6)."""
         return NONE
 
+    def energy(self, x: Configuration, lam: float) -> float:
+        return float(shell_lanes.energy(*self._at(x, lam), 0, len(self._tangents)))
+
     def add_forces(self, x: Configuration, lam: float, total: Array) -> float:
-        state = self._state(x, lam)
-        own = self._answers(state, lam, False)[:2]
+        state = *self._at(x, lam), *self._answers(x, lam, False)[:2], *self._matrices
         return self._side_by_side(
-            lambda first, last, target: shell_loops.forces(*state, *own, first, last, target),
-            len(self._kernel.conn), total,
-        )  # fmt: skip
+            lambda first, last, target: shell_lanes.forces(*state, first, last, target), len(self._tangents), total
+        )
 
     def add_blocks(self, x: Configuration, lam: float, tangent: Tangent, slots: Index, blocks: Array) -> None:
         kernel, ahead = self._kernel, np.empty((0, 9))
-        state, convexity = self._state(x, lam), float(tangent.convexity)
+        convexity = float(tangent.convexity)
         if tangent.ahead is not None:
             start, change = tangent.ahead
             u = np.ascontiguousarray(displacement_of(start, kernel.rest), dtype=float)
@@ -110,16 +126,13 @@ class CompiledShell:
             ahead = np.empty((len(kernel.conn), 9))
             shell_loops.pull_ahead(
                 kernel.conn, u, np.ascontiguousarray(change, dtype=float), self._rest, *self._membrane,
-                self._matrices[0], self._section[1], self._section[2], curvature, state[-1], ahead,
+                self._matrices[0], self._section[1], self._section[2], curvature, self._natural(lam), ahead,
             )  # fmt: skip
-        place, answers, sections = self._answers(state, lam, True)
-        in_lanes = (
-            kernel.conn, state[1], state[2], *self._lanes, kernel._directors, *self._of_edges, self._tangents,
-            self._released(state[-1]),
-        )  # fmt: skip
+        place, answers, sections = self._answers(x, lam, True)
+        *state, released = self._at(x, lam)
 
         def work(first: int, last: int, target: Array) -> None:
-            shell_lanes.blocks(*in_lanes, place, first, last, ahead, convexity, slots, target)
+            shell_lanes.blocks(*state, self._tangents, released, place, first, last, ahead, convexity, slots, target)
 
         self._side_by_side(work, len(self._tangents), blocks)
         if not len(place):
@@ -128,7 +141,7 @@ class CompiledShell:
         second, _, area = self._section[:3]
         described = (
             facets, answers, sections, kernel.conn, state[2], self._rest, *self._membrane, *self._matrices, second,
-            area, state[-4], self._stored, self._scale,
+            area, _by_facet(kernel._local_directors()), self._stored, self._scale,
         )  # fmt: skip
 
         def one_by_one(first: int, last: int, target: Array) -> None:
@@ -147,10 +160,13 @@ class CompiledYieldingShell(CompiledShell):
         own = kernel.layers
         self._layers = CompiledLayers(own.thickness, own.E, own.nu, own.hardening)
 
-    def _answers(self, state: tuple[Any, ...], lam: float, tangent: bool) -> tuple[Index, Array, Array]:
+    def energy(self, x: Configuration, lam: float) -> float:
+        return CompiledKernel.energy(self, x, lam)  # layers that have flown store other energies
+
+    def _answers(self, x: Array, lam: float, tangent: bool) -> tuple[Index, Array, Array]:
         kernel = self._kernel
         fields = np.empty((len(kernel.conn), 3, 6))
-        shell_loops.fields_at(*state, fields.reshape(-1, 18))
+        shell_loops.fields_at(*self._one_by_one(x, lam), fields.reshape(-1, 18))
         flown = kernel.flow(fields, tangent, self._layers)
         if not len(flown.facets):
             return NONE

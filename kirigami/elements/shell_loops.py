@@ -238,56 +238,6 @@ def fields_at(  # type: ignore[no-untyped-def]
 
 
 @compiled
-def forces(  # type: ignore[no-untyped-def]
-    conn, x, u, rest, per_square, forms, to_strain, to_curvature, second, section, area,
-    rest_angle, rest_curvature, director, stored, scale, natural, place_of, answers, first, last, total,
-):  # fmt: skip
-    """Add the gradient. Where `place_of` (n,) is given and not -1, the derivatives by the fields are those of
-    `answers` (k, 18)."""
-    du, v = np.empty((5, 3)), np.empty((5, 3))
-    r, b, fields, force = np.empty(9), np.empty(15), np.empty(18), np.empty(18)
-    pull, moment, local = np.empty(9), np.empty(15), np.empty(21)
-    membrane, bending = np.empty((9, 15)), np.empty((15, 21))
-    squares = 0.0
-    bending[:, :] = 0.0
-    for f in range(first, last):
-        gather(f, conn, u, rest, du, v)
-        stretch(f, rest, du, per_square, forms, r)
-        bend(f, v, x, conn, director, stored, scale, second, rest_angle, rest_curvature, b)
-        if len(place_of) and place_of[f] >= 0:
-            force[:] = answers[place_of[f]]
-        else:
-            fields_of(f, r, b, to_strain, to_curvature, fields)
-            released(f, natural, fields)
-            resultants_of(f, fields, section, area, force)
-        pulled_back(f, force, to_strain, to_curvature, pull, moment)
-        stretch_rows(f, v, per_square, forms, membrane)
-        bend_rows(f, v, director, scale, second, bending)
-        for z in range(21):
-            value = 0.0
-            for m in range(15):
-                value += bending[m, z] * moment[m]
-            if z < 15:
-                for m in range(9):
-                    value += membrane[m, z] * pull[m]
-            local[z] = value
-        for p in range(5):
-            row = conn[f, 1 + p]
-            for axis in range(3):
-                value = local[3 * p + axis]
-                total[row, axis] += value
-                squares += value * value
-        for axis in range(3):
-            value = -local[axis] - local[3 + axis]
-            total[conn[f, 0], axis] += value
-            squares += value * value
-        for g in range(6):
-            total[conn[f, 6 + g // 2], stored[f, g]] += local[15 + g]
-            squares += local[15 + g] * local[15 + g]
-    return squares
-
-
-@compiled
 def pull_ahead(  # type: ignore[no-untyped-def]
     conn, u, change, rest, per_square, forms, to_strain, section, area, curvature, natural, ahead
 ):

@@ -46,24 +46,28 @@ class CompiledFronts:
         of_row = np.repeat(owner, plan.pivots)
         self._rows = [np.flatnonzero(of_row == number) for number in range(len(self._halves) + 1)]
 
-    def eliminate(self, made: Eliminated, threads: int) -> None:
-        """Eliminate all fronts."""
+    def eliminate(self, data: Array, made: Eliminated, threads: int) -> None:
+        """Eliminate all fronts of a matrix with these entries."""
         parts, rest = self.plan.shares(threads)
         if not parts:
+            self._spread(data, made, 0, len(self.plan.taken))
             self._eliminate(made, rest)
             return
         plain = PlainElimination(self.plan, made)
         with ThreadPoolExecutor(len(parts)) as pool:
+            bounds = np.linspace(0, len(self.plan.taken), len(parts) + 1).astype(np.int64).tolist()
+            list(pool.map(lambda first, last: self._spread(data, made, first, last), bounds[:-1], bounds[1:]))
             for part, stack in zip(parts, list(pool.map(lambda part: self._eliminate(made, part), parts))):
-                inside = np.zeros(len(self.plan.pivots), dtype=bool)
-                inside[part] = True
-                parent = self.plan.fronts.parent[part]
-                above = part[(parent >= 0) & ~inside[parent]]
-                at = 0
-                for front in above.tolist():
-                    plain.leave_over(front, stack[at : at + self.plan.left_over[front]])
-                    at += self.plan.left_over[front]
+                above = part[~np.isin(self.plan.fronts.parent[part], part)]  # the last one done of each subtree
+                ends = np.cumsum(self.plan.left_over[above])
+                for front, left_over in zip(above.tolist(), np.split(stack, ends)):
+                    plain.leave_over(front, left_over)
             plain.eliminate(rest, pool.map)
+
+    def _spread(self, data: Array, made: Eliminated, first: int, last: int) -> None:
+        from kirigami.linalg import front_loops
+
+        front_loops.spread(self.plan.taken[first:last], self.plan.places[first:last], data, made.store)
 
     def _eliminate(self, made: Eliminated, part: Index) -> Array:
         """Eliminate whole subtrees of fronts; what their roots leave over, one after the other."""

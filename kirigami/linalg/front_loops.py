@@ -21,6 +21,13 @@ compiled = compiler(nogil=True, fastmath={"reassoc", "contract"})
 
 
 @compiled
+def spread(taken, places, data, store):  # type: ignore[no-untyped-def]
+    """Put entries of a matrix at their places."""
+    for k in range(len(taken)):
+        store[places[k]] = data[taken[k]]
+
+
+@compiled
 def at(values, k):  # type: ignore[no-untyped-def]
     """Address of entry k."""
     return values[k:].ctypes.data

@@ -65,13 +65,11 @@ class FrontPlan:
         """How the left-over of each front adds to the blocks of its parent, stretch by stretch."""
         return [self._transfer(front) for front in range(len(self.pivots))]
 
-    def spread(self, data: Array) -> Array:
-        """A factor's array with the entries of a matrix at their places, and zeros elsewhere."""
-        store = np.zeros(self.size)
+    def spread(self, data: Array, store: Array) -> None:
+        """Put the entries of a matrix at their places in a factor's array."""
         for first in range(0, len(self.taken), ENTRIES):  # NumPy widens numbers that it finds entries by
             part = slice(first, first + ENTRIES)
             store[self.places[part]] = data[self.taken[part]]
-        return store
 
     def _entries(self, matrix: Any, codes: Index) -> tuple[Index, Index]:
         """Which entries of the matrix are taken (the lower triangle in the new order), and their places."""
@@ -155,12 +153,8 @@ class Eliminated(NamedTuple):
     doubtful: NDArray[np.bool_]
 
     @classmethod
-    def from_matrix(cls, plan: FrontPlan, data: Array) -> Eliminated:
-        """Nothing eliminated yet; the entries of the matrix stand at their places."""
-        count = len(plan.pivots)
-        return cls(
-            plan.spread(data),
-            np.zeros(len(plan.fronts.order), dtype=np.int32),
-            np.zeros(count, dtype=np.int32),
-            np.zeros(count, dtype=bool),
-        )
+    def nothing(cls, plan: FrontPlan) -> Eliminated:
+        """Room for all of it."""
+        n, count = len(plan.fronts.order), len(plan.pivots)
+        negative, doubtful = np.zeros(count, dtype=np.int32), np.zeros(count, dtype=bool)
+        return cls(np.zeros(plan.size), np.zeros(n, dtype=np.int32), negative, doubtful)

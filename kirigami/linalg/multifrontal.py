@@ -99,12 +99,13 @@ class MultifrontalFactor(CheckedFactor):
     def __init__(self, matrix: Any, plan: FrontPlan, loops: CompiledFronts | None) -> None:
         super().__init__(matrix)
         self._plan, self._loops = plan, loops
-        self._made = Eliminated.from_matrix(plan, self.matrix.data)
+        self._made = Eliminated.nothing(plan)
         with one_thread():
             if loops is None:
+                plan.spread(self.matrix.data, self._made.store)
                 PlainElimination(plan, self._made).eliminate(np.arange(len(plan.pivots)))
             else:
-                loops.eliminate(self._made, threads_for(plan.size))
+                loops.eliminate(self.matrix.data, self._made, threads_for(plan.size))
         self._negative = int(self._made.negative.sum())
         self._doubtful = bool(self._made.doubtful.any())
 

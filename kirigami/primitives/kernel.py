@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import copy
 from dataclasses import dataclass
-from typing import Any, ClassVar, NamedTuple, Protocol
+from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -106,16 +106,24 @@ class Tangent:
 EXACT = Tangent()
 
 
-class CompiledKernel(Protocol):
-    """A kernel's fast twin: the same forces and blocks, added in place by compiled loops."""
+class CompiledKernel:
+    """A kernel's fast twin: the same energy, forces and blocks, added in place by compiled loops."""
+
+    _kernel: Kernel
+
+    def energy(self, x: Configuration, lam: float) -> float:
+        """Energy of all members together."""
+        return float(self._kernel.evaluate(x, lam, 0).energy.sum())
 
     def add_forces(self, x: Configuration, lam: float, total: Array) -> float:
         """Add the gradient to `total` (n_nodes, dim); returns the sum of its squares, member by member."""
+        raise NotImplementedError
 
     def add_blocks(
         self, x: Configuration, lam: float, tangent: Tangent, slots: NDArray[np.int64], blocks: Array
     ) -> None:
         """Add the Hessian to node blocks (blocks, dim, dim) at the `slots` of the assembly plan, pair by pair."""
+        raise NotImplementedError
 
 
 class Kernel:

@@ -97,8 +97,9 @@ class System(Lowered):
         lam = require_finite(lam, "lam", "System.energies")
         x = self.configuration(self._checked(u, "System.energies"))
         totals: dict[str, float] = {}
-        for kernel in self.kernels:
-            totals[kernel.name] = totals.get(kernel.name, 0.0) + float(kernel.evaluate(x, lam, 0).energy.sum())
+        for kernel, twin in zip(self.kernels, self.twins):
+            energy = float(kernel.evaluate(x, lam, 0).energy.sum()) if twin is None else twin.energy(x, lam)
+            totals[kernel.name] = totals.get(kernel.name, 0.0) + energy
         return totals
 
     def forces(self, u: Array, lam: float, carried: bool = True) -> tuple[Array, float]:

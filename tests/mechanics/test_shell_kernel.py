@@ -92,6 +92,7 @@ def test_the_compiled_twin_agrees(coupled, convexity, ahead, actuated):
     contribution = kernel.evaluate(x, 1.0, 2)
     np.add.at(plain, kernel.conn, contribution.gradient)
     twin = kernel.compiled()
+    assert twin.energy(x, 1.0) == pytest.approx(contribution.energy.sum(), rel=1e-12)
     squares = twin.add_forces(x, 1.0, fast)
     np.testing.assert_allclose(fast, plain, atol=1e-12 * np.abs(plain).max())
     assert squares == pytest.approx((contribution.gradient**2).sum(), rel=1e-12)
