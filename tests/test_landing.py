@@ -67,6 +67,17 @@ def test_the_default_lands_where_a_slow_pull_does(given: dict[str, Any]) -> None
     assert found.stats["factorizations"] < reference.stats["factorizations"]
 
 
+@pytest.mark.parametrize("thickness", [1e-4, 1e-5])
+def test_the_imperfection_of_a_very_thin_sheet_chooses_the_side(thickness: float) -> None:
+    """Before the buckle it turns members by less than a residual within the tolerance does."""
+    reference = kg.DisplacementControl(slit_sheet(thickness), to=1e4 * thickness**2, corrector="slow").run()
+    for end in (0.25, 1.0):
+        analysis = kg.DisplacementControl(slit_sheet(thickness), to=end)
+        analysis.max_steps = 7
+        found, expected = analysis.run().u[-1, :, 2], reference.u[-1, :, 2]
+        assert found @ expected > 0.9 * np.linalg.norm(found) * np.linalg.norm(expected)
+
+
 VARIANTS: list[dict[str, float]] = [{"SLOW": 30.0}, {"SLOW": 1000.0}, {"OFF": 0.5 * slow.OFF, "TURN": 0.5 * slow.TURN}]
 
 
