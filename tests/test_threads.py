@@ -1,5 +1,8 @@
 """Threads change no answer: fronts of a factorisation bit by bit, sums over facets up to rounding."""
 
+import subprocess
+import sys
+
 import numpy as np
 import pytest
 
@@ -113,3 +116,12 @@ def test_processors_are_those_allowed(monkeypatch):
     monkeypatch.setenv("OMP_NUM_THREADS", "nonsense")
     monkeypatch.delenv("OPENBLAS_NUM_THREADS", raising=False)
     assert processors() >= 1
+
+
+def test_routines_are_known_to_loops_in_a_process_that_has_compiled_nothing():
+    """Numba learns of routines called by address from a module that it loads with the first thing it compiles: a plate
+    whose factor was the first ended in a TypingError."""
+    pytest.importorskip("numba")
+    lines = "import numba, kirigami.linalg.compiled_fronts as fronts; numba.typeof(fronts._packed_solve())"
+    done = subprocess.run([sys.executable, "-c", lines], capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr

@@ -164,6 +164,7 @@ def _packed_solve() -> Any:
 def _routine(module: str, name: str, arguments: int) -> Any:
     """A routine that compiled loops call by its address, with as many addresses of arguments."""
     from numba import types
+    from numba.experimental import function_type  # noqa: F401  (else routines are unknown until something is compiled)
 
     class Routine(types.WrapperAddressProtocol):  # type: ignore[misc]
         def __wrapper_address__(self) -> int:
