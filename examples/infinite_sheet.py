@@ -47,7 +47,7 @@ def draw(max_edge: float) -> None:
     t, E = 0.1 * MM, 4e9
     print(f"stretching along and across the slits, over E t: {section[0, 0] / E / t:.3f}, {section[1, 1] / E / t:.3f}")
     found = cell.buckling(PULL)
-    print(f"{found}: wavelength {found.wavelength / MM:.4g} mm")
+    print(found)
     cell.impose(PULL)
     cell.model.imperfect()
     res = kg.DisplacementControl(cell.model).run()

@@ -65,7 +65,7 @@ def test_demo_writes_its_files_and_says_the_numbers(
     shape = "one stable shape of many: --shapes looks for the others"
     for number in (f"nodes {len(results.rest)}, ", f"largest force {force.max():.4g} N at strain", opened, shape):
         assert number in said.out
-    assert "strain 18.1 % = 400 mm of grip displacement / 2.21 m between the grips" in said.out
+    assert "strain 18.1 % = 0.4 m of grip displacement / 2.21 m between the grips" in said.out
     assert "Animation" in said.err  # progress goes to the other stream, out of the way of a pipe
 
 
@@ -429,7 +429,7 @@ def test_a_ligament_thinner_than_the_sheet_is_told_with_its_figure(
     words = ["stretch", str(drawing), "--thickness", "6mm", "--E", "3.5GPa", "--strain", "0.1%", "--nodes", "100",
              "--stiffness", "facet", "--imperfection", "0", "--folder", str(tmp_path / "out"), "--quiet"]  # fmt: skip
     cli.main(words)
-    assert "the narrowest ligament is 0.003 wide, 0.5 times the thickness 0.006" in capsys.readouterr().err
+    assert "the narrowest ligament is 3 mm wide, 0.5 times the thickness 6 mm" in capsys.readouterr().err
     report = json.loads((tmp_path / "out" / "report.json").read_text())
     assert any("0.5 times the thickness" in note for note in report["notes"])
     assert 0 < report["numbers"]["error"]["force"] < 1 and any("estimated error" in note for note in report["notes"])

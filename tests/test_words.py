@@ -3,11 +3,15 @@
 import ast
 import functools
 import re
+from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 import kirigami as kg
+from kirigami.lattice.waves import BlochBuckling
+from kirigami.results.error import ErrorBar
 from kirigami.words import counted
 
 ROOT = Path(kg.__file__).parent
@@ -78,6 +82,20 @@ def test_what_there_is_one_of_is_told_so():
     for text in told:
         assert not re.search(r"(?<![\d.])1 (?:\w+ )?\w+s\b", text), text
     assert "1 cutback," in told[0] and "2 nodes in 2D, 1 unknown\n" in told[0]
+
+
+def test_what_is_infinite_or_unknown_is_said_in_words():
+    """A wave without phases is the same in all cells; an error bar without figures says so."""
+    wave = BlochBuckling(1.0, np.zeros(3), np.zeros(3), np.zeros(2), np.zeros(2), np.zeros((1, 3)), False)
+    assert wave.wavelength == np.inf and "all cells alike" in repr(wave)
+    longer = replace(wave, phases=np.array([0.5, 0.0]), wave_vector=np.array([0.5 / 20, 0.0]))
+    assert "wavelength=251.3" in repr(longer)  # of 2 pi / 0.5 cells of length 20
+    nothing = {name: np.array([np.nan, np.inf]) for name in ("force", "open_area", "height")}
+    bar = ErrorBar(nothing, nothing, nothing, np.zeros(2))
+    for text in (repr(wave), repr(longer), repr(bar)):
+        assert not re.search(r"\b(inf|nan)\b", text) and text.split(":")[-1].strip(), text
+    large = {name: np.array([2.0]) for name in nothing}
+    assert "200 %" in str(ErrorBar(large, large, large, np.zeros(1)))
 
 
 @pytest.mark.parametrize("angle, words", [(1, "1 degree"), (30, "30 degrees")])

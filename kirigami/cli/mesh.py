@@ -52,12 +52,13 @@ def run(options: argparse.Namespace) -> int:
         "smallest_angle": float(mesh.min_angle),
         "output": options.output,
     }
-    shortest, longest = (units.show(numbers[name], "length") for name in ("shortest_edge", "longest_edge"))
+    scale = units.Scale.of(mesh.size)
+    shortest, longest = (scale.show(numbers[name], "length") for name in ("shortest_edge", "longest_edge"))
     say(f"nodes {numbers['nodes']}, facets {numbers['facets']}, cuts {numbers['cuts']}")
     say(f"edges {shortest} to {longest}, smallest angle {counted(numbers['smallest_angle'], 'degree', spec='.3g')}")
     if mesh.sizing is not None:
         say(str(mesh.sizing))
-    say(f"area {numbers['area']:.6g} m2")
+    say(f"area {scale.show(numbers['area'], 'area', 6)}")
     if options.output:
         say(f"Written to {options.output}")
     print_json(options, numbers)

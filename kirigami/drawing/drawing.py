@@ -29,7 +29,7 @@ from kirigami.primitives.checks import (
     require_whole,
     shown,
 )
-from kirigami.units import metres_per, parse
+from kirigami.units import Scale, metres_per, parse
 from kirigami.words import counted
 
 if TYPE_CHECKING:
@@ -134,7 +134,11 @@ class Drawing:
             require_not_negative(fold_stiffness, "fold_stiffness", "Drawing.sheet", GeometryError)
         shares = self.fold_shares if any(self.fold_shares) else (1.0,) * len(self.folds)
         folds = [Fold(line, fold_angle * share, fold_stiffness) for line, share in zip(self.folds, shares)]
-        return Sheet(self.outline, self.cuts, thickness, material, folds, self.regions)
+        sheet = Sheet(self.outline, self.cuts, thickness, material, folds, self.regions)
+        if self.unit == "m":
+            xmin, ymin, xmax, ymax = sheet.bounds
+            sheet.scale = Scale.of(max(xmax - xmin, ymax - ymin))
+        return sheet
 
 
 def assemble(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -33,6 +34,7 @@ from kirigami.primitives.checks import (
     require_whole,
 )
 from kirigami.primitives.material import SheetMaterial
+from kirigami.units import Scale
 from kirigami.words import counted
 
 CUT_FRACTION = 0.4  # default edge length along cuts, as a fraction of max_edge
@@ -106,6 +108,7 @@ class Sheet:
         if self.material is not None:
             self.thickness = self.material.checked_thickness(self.thickness, "Sheet")
         self.regions = checked_regions(regions, self.outline)
+        self.scale = Scale()  # the units its lengths are told in, of a sheet that is known to be in metres
 
     @property
     def area(self) -> float:
@@ -211,6 +214,7 @@ class Sheet:
             snap, spacing = _checked_snap(relative, extent), COARSE / float(np.sqrt(budget))
             drawing = clean(self.outline, self.cuts, [*geometries, *creases], snap, spacing, allow_parts, mesher)
             made, sizing = mesh_within(drawing, budget, min_angle)
+            sizing = replace(sizing, scale=self.scale)
             mesh = self._opened(drawing, made, names, sizing)
             _verify(mesh, drawing, made, np.inf, allow_parts)
             warn_of_coarse(sizing, self.thickness)

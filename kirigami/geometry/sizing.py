@@ -21,6 +21,7 @@ from kirigami.geometry.ligaments import Ligaments, find_ligaments
 from kirigami.geometry.refine import EQUILATERAL, triangulate_drawing
 from kirigami.geometry.triangulate import Triangulation
 from kirigami.geometry.unzip import unzip
+from kirigami.units import UNKNOWN, Scale
 from kirigami.words import counted
 
 Integers = NDArray[np.int64]
@@ -67,6 +68,8 @@ class Sizing:
         Its middle (x, y) [length].
     narrowest : float
         Width of the narrowest ligament [length]; infinite without ligaments.
+    scale : Scale
+        In which its lengths are told, of a sheet in metres; without one they are said to be in the unit of the sheet.
     """
 
     budget: int
@@ -79,6 +82,21 @@ class Sizing:
     width: float
     place: tuple[float, float]
     narrowest: float
+    scale: Scale = UNKNOWN
+
+    def length(self, value: float) -> str:
+        """A length in words."""
+        return self.scale.show(value, "length", 3)
+
+    @property
+    def worst(self) -> str:
+        """The place of the worst ligament in words."""
+        return self.scale.place(self.place)
+
+    @property
+    def unsaid(self) -> str:
+        """Words on the unit where none is known."""
+        return "" if self.scale.length else "in the unit of the sheet"
 
     @property
     def across(self) -> str:
@@ -87,14 +105,14 @@ class Sizing:
 
     def __str__(self) -> str:
         size = (
-            f"{counted(self.nodes, 'node')}, {self.budget} asked for, edges {self.shortest:.3g} to {self.longest:.3g} "
-            "long in the unit of the sheet"
+            f"{counted(self.nodes, 'node')}, {self.budget} asked for, edges {self.length(self.shortest)} to "
+            f"{self.length(self.longest)} long {self.unsaid}".rstrip()
         )
         if not self.ligaments:
             return f"{size}; no ligaments"
         return (
-            f"{size}; at least {self.across} across a ligament (width {self.width:.3g} at "
-            f"({self.place[0]:.4g}, {self.place[1]:.4g})), fewer than {LAYERS:g} in {self.coarse} of "
+            f"{size}; at least {self.across} across a ligament (width {self.length(self.width)} at "
+            f"{self.worst}), fewer than {LAYERS:g} in {self.coarse} of "
             f"{counted(self.ligaments, 'section')}"
         )
 
@@ -290,7 +308,6 @@ def facets_across(edges: Floats, sections: Floats) -> Floats:
 
 def warn_of_coarse(sizing: Sizing, thickness: float | None) -> None:
     """Say so where the budget was not enough, or where a ligament is no thin sheet any more."""
-    at = f"({sizing.place[0]:.6g}, {sizing.place[1]:.6g})"
     if sizing.nodes > (1 + KEPT) * sizing.budget:
         warnings.warn(
             f"the mesh has {counted(sizing.nodes, 'node')}, more than the {sizing.budget} allowed: the drawing itself "
@@ -301,18 +318,18 @@ def warn_of_coarse(sizing: Sizing, thickness: float | None) -> None:
     if sizing.facets_across < FEW_LAYERS:
         needed = float(f"{sizing.nodes * (LAYERS / sizing.facets_across) ** 2:.1g}")
         warnings.warn(
-            f"the ligament of width {sizing.width:.3g} at {at} (in the unit of the sheet) has only {sizing.across} "
-            f"across, and {sizing.coarse} of {counted(sizing.ligaments, 'section')} across ligaments have fewer than "
-            f"{LAYERS:g}: too coarse to bend. About {counted(needed, 'node', spec=',.0f')} would do "
-            f"instead of {sizing.budget:,}",
+            f"the ligament of width {sizing.length(sizing.width)} at {sizing.worst}"
+            f"{f' ({sizing.unsaid})' if sizing.unsaid else ''} has only {sizing.across} across, and {sizing.coarse} of "
+            f"{counted(sizing.ligaments, 'section')} across ligaments have fewer than {LAYERS:g}: too coarse to "
+            f"bend. About {counted(needed, 'node', spec=',.0f')} would do instead of {sizing.budget:,}",
             KirigamiWarning,
             stacklevel=3,
         )
     if thickness is not None and sizing.narrowest < thickness:
         warnings.warn(
-            f"the narrowest ligament is {sizing.narrowest:.3g} wide, {sizing.narrowest / thickness:.2g} times the "
-            f"thickness {thickness:.3g}, in the unit of the sheet: it is no thin sheet, and its stiffness is not to be "
-            "trusted",
+            f"the narrowest ligament is {sizing.length(sizing.narrowest)} wide, {sizing.narrowest / thickness:.2g} "
+            f"times the thickness {sizing.length(thickness)}{f', {sizing.unsaid}' if sizing.unsaid else ''}: it is no "
+            "thin sheet, and its stiffness is not to be trusted",
             KirigamiWarning,
             stacklevel=3,
         )

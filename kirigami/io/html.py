@@ -22,6 +22,7 @@ from kirigami.primitives.checks import require_path, require_text, require_whole
 from kirigami.primitives.kernel import Array
 from kirigami.results.fields import energy_density, facet_strain
 from kirigami.results.results import Results
+from kirigami.results.scale import scale_of
 from kirigami.results.smooth import known_stress, sectors
 from kirigami.results.yielding import facet_plastic_strain
 from kirigami.units import unit_for
@@ -33,7 +34,7 @@ TITLES = {
     "height": "height (largest less smallest z)",
     "open_area": "open area of the cuts",
 }
-SI_UNITS = {"height": "m", "open_area": "m²"}
+KINDS = {"height": "length", "open_area": "area"}
 LABELS = {
     "stress": "von Mises stress", "strain": "strain", "plastic strain": "plastic strain", "energy": "energy / area",
     "force": "force",
@@ -101,8 +102,8 @@ def to_html(
     head["title"], head["told"] = heading, results.shape_words
     head["curves"] = titled_curves(results, reactions)
     if results.drives:
-        motion, response = results.drives[0].titles(bool(results.units))
-        head["main"], head["over"] = response, motion + " [%]" * (results.drives[0].kind == "ratio")
+        motion, response = results.drives[0].titles(scale_of(results))
+        head["main"], head["over"] = response, motion
     head["bands"] = _bands(results, head["curves"])
     stable = [None if step.negative is None else step.stable for step in results.steps]
     head["stable"], head["shown"] = stable, shown.tolist()
@@ -137,12 +138,14 @@ def titled_curves(results: Results, reactions: Mapping[str, Nodes] | None = None
     >>> list(titled_curves(kg.LinearStatic(m).run()))
     ['load factor', 'energy of bars', 'force on the driven nodes along x']
     """
-    titles, factors = dict(TITLES), {}
-    si, known = bool(results.units), curves(results, reactions)
+    scale, known = scale_of(results), curves(results, reactions)
+    titles = {name: _raised(scale.title(title, KINDS.get(name, ""))) for name, title in TITLES.items()}
+    sizes = {name: scale.unit(kind)[1] for name, kind in KINDS.items()}
     for drive in results.drives:
-        motion, response = drive.titles(si)
-        titles |= {drive.column: motion + " [%]" * (drive.kind == "ratio"), drive.response: response}
-        factors[drive.column] = 100.0 if drive.kind == "ratio" else 1.0
+        titles |= zip((drive.column, drive.response), drive.titles(scale))
+        sizes |= {
+            drive.column: scale.unit(drive.kind)[1] / drive.share, drive.response: scale.unit(drive.answer_kind)[1]
+        }  # fmt: skip
     driven = [support.name for support in results.supports if support.driven]
     found: dict[str, list[float | None]] = {}
     for name, values in known.items():
@@ -152,12 +155,11 @@ def titled_curves(results: Results, reactions: Mapping[str, Nodes] | None = None
         if name.startswith("reaction_"):
             where, axis = name.removeprefix("reaction_").rsplit("_", 1)
             number = f" {driven.index(where) + 1}" if where in driven and len(driven) > 1 else ""
-            title = f"force on {f'the driven nodes{number}' if where in driven else where} along {axis}" + " [N]" * si
+            title = f"force on {f'the driven nodes{number}' if where in driven else where} along {axis}"
+            title = scale.title(title, "force")
         elif name.startswith("energy_"):
-            title = f"energy of {name.removeprefix('energy_')}" + " [J]" * si
-        elif name in SI_UNITS and si:
-            title += f" [{SI_UNITS[name]}]"
-        scaled = factors.get(name, 1.0) * values
+            title = scale.title(f"energy of {name.removeprefix('energy_')}", "energy")
+        scaled = values / sizes.get(name, 1.0)
         found[title] = [value if np.isfinite(value) else None for value in scaled.tolist()]
     return found
 
@@ -168,10 +170,10 @@ def _bands(results: Results, drawn: Mapping[str, list[float | None]]) -> dict[st
         error = results.error
     except AnalysisError:
         return {}
-    si = bool(results.units)
-    titles = {TITLES[name] + f" [{SI_UNITS[name]}]" * si: name for name in ("height", "open_area")}
+    scale = scale_of(results)
+    titles = {_raised(scale.title(TITLES[name], kind)): name for name, kind in KINDS.items()}
     if results.drives:
-        titles[results.drives[0].titles(si)[1]] = "force"
+        titles[results.drives[0].titles(scale)[1]] = "force"
     bands: dict[str, list[float | None]] = {}
     for title in drawn.keys() & titles.keys():
         values = np.array(drawn[title], dtype=float)
@@ -187,9 +189,7 @@ def _contents(results: Results, shown: NDArray[np.int64]) -> tuple[dict[str, Any
     # Round a fold a node has a vertex for each of its sides, so that colours and light may jump there.
     parts = None if results.mesh is None else sectors(results)
     node = np.arange(len(results.rest)) if parts is None else parts.node
-    unit, factor = ("", 1.0)
-    if results.units:
-        unit, factor = unit_for(float(np.ptp(results.rest, axis=0).max()), "length")
+    unit, factor = scale_of(results).unit("length")
     positions = np.concatenate([results.position()[shown], results.rest[None]])[:, node] / factor
     low, extent = positions.min(axis=(0, 1)), np.ptp(positions, axis=(0, 1))
     extent[extent == 0] = 1.0
@@ -239,9 +239,14 @@ def _contents(results: Results, shown: NDArray[np.int64]) -> tuple[dict[str, Any
             title = "energy"
         if kind and results.units:
             of, size = unit_for(max(abs(smallest), abs(largest)), kind)
-            title += f" [{of.replace('m2', 'm²')}]"
+            title += _raised(f" [{of}]")
         head["fields"][name] = {"where": where, "low": smallest / size, "high": largest / size, "title": title}
     return head, b"".join(blocks)
+
+
+def _raised(words: str) -> str:
+    """Words with the squares of their units raised."""
+    return words.replace("m2", "m²")
 
 
 def _planes(integers: Iterable[Any]) -> bytes:

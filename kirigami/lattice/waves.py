@@ -132,7 +132,8 @@ class BlochBuckling:
 
     def __repr__(self) -> str:
         strain, phases = (", ".join(f"{value:.4g}" for value in values + 0.0) for values in (self.strain, self.phases))
-        return f"BlochBuckling(factor={self.factor:.6g}, strain=({strain}), phases=({phases}))"
+        length = f"wavelength={self.wavelength:.4g}" if math.isfinite(self.wavelength) else "all cells alike"
+        return f"BlochBuckling(factor={self.factor:.6g}, strain=({strain}), phases=({phases}), {length})"
 
 
 def buckling(cell: PeriodicCell, strain: Sequence[float | None], longest: int = 20, most: float = 0.5) -> BlochBuckling:

@@ -14,11 +14,13 @@ from numpy.typing import ArrayLike, NDArray
 from kirigami.errors import AnalysisError, ModelError
 from kirigami.plot import style
 from kirigami.primitives.checks import require_array, require_axis, require_boolean, require_choice
-from kirigami.units import unit_for
+from kirigami.results.scale import scale_of
 
 if TYPE_CHECKING:
     from kirigami.primitives.node import Node
+    from kirigami.results.drives import Drive
     from kirigami.results.results import Results
+    from kirigami.units import Scale
 
 Floats = NDArray[np.float64]
 
@@ -90,19 +92,15 @@ def plot_curve(
         require_axis(axis, "plot_curve")
     else:
         require_array(axis, (2,), (3,), name="axis", owner="plot_curve")
-    across, across_label = _abscissa(results, x, "plot_curve")
+    scale = scale_of(results)
+    across, what, kind = _abscissa(results, x, "plot_curve")
     drive = results.drives[0] if nodes is None and results.drives and isinstance(x, str) else None
     if drive is not None:
-        share = 100.0 if drive.kind == "ratio" else 1.0
-        across, up = share * drive.travel(results), drive.force(results)
-        across_label, up_label = drive.titles(bool(results.units))
-        across_label += " [%]" if drive.kind == "ratio" else ""
+        across, up = drive.share * drive.travel(results), drive.force(results)
     elif nodes is None and isinstance(x, str):
         raise ModelError("plot_curve: give nodes whose reaction is drawn, or x=(node, axis) for the load factor")
     else:
         up = results.lam if nodes is None else results.reaction(nodes, axis)
-        unit = " [N]" if results.units else ""
-        up_label = "load factor" if nodes is None else "reaction" + f" along {axis}" * isinstance(axis, str) + unit
     firm = np.array([step.negative in (None, 0) for step in results.steps])
     shaded = drive is not None if band is None else require_boolean(band, "band", "plot_curve")
     error = None
@@ -120,7 +118,7 @@ def plot_curve(
     located = len(after) > 0 and isinstance(x, (str, tuple))
     if located:
         if drive is not None:
-            there, response = share * drive.travel(limits), drive.force(limits)
+            there, response = drive.share * drive.travel(limits), drive.force(limits)
         else:
             there = _abscissa(limits, x, "plot_curve")[0]
             response = limits.lam if nodes is None else limits.reaction(nodes, axis)
@@ -136,8 +134,13 @@ def plot_curve(
         rim = {"markeredgecolor": style.VERMILION, "markeredgewidth": 1.4, "markerfacecolor": "white"}
         name = None if label else "limit point"
         ax.plot(across[after], up[after], linestyle="none", marker="o", markersize=6, zorder=3, label=name, **rim)
-    ax.set_xlabel(across_label)
-    ax.set_ylabel(up_label)
+    if drive is not None:
+        label_drive(ax, drive, scale)
+        style.label_axis(ax.yaxis, drive.takes(scale), drive.answer_kind, scale)
+    else:
+        style.label_axis(ax.xaxis, what, kind, scale)
+        reaction = "reaction" + f" along {axis}" * isinstance(axis, str)
+        style.label_axis(ax.yaxis, *(("load factor", "") if nodes is None else (reaction, "force")), scale)
     if ax.get_legend_handles_labels()[0]:
         ax.legend()
     return ax
@@ -192,7 +195,7 @@ def plot_open_area(
     >>> ax.get_ylabel()
     'open area'
     """
-    across, across_label = _abscissa(results, x, "plot_open_area")
+    across, what, kind = _abscissa(results, x, "plot_open_area")
     each, together = results.open_area(), results.open_area(union=True)
     if not each.shape[1]:
         raise ModelError("plot_open_area: the mesh has no cuts")
@@ -205,35 +208,38 @@ def plot_open_area(
             thin[0].set_label("each cut")
     name = label if label is not None else "all cuts" if several else None
     ax.plot(across, together, color=color, linewidth=1.5, marker="o", markersize=2.6, label=name)
-    ax.set_xlabel(across_label)
-    ax.set_ylabel("open area")
-    if results.units:
-        unit, factor = unit_for(float(together.max()), "area")
-        ax.yaxis.set_major_formatter(style.in_units_of(factor))
-        ax.set_ylabel(f"open area [{style.raised(unit)}]")
+    style.label_axis(ax.xaxis, what, kind, scale_of(results))
+    style.label_axis(ax.yaxis, "open area", "area", scale_of(results))
     ax.set_ylim(bottom=min(0.0, float(each.min())))
     if ax.get_legend_handles_labels()[0]:
         ax.legend()
     return ax
 
 
-def _abscissa(results: Results, x: Any, owner: str) -> tuple[Floats, str]:
-    """Values (s,) along the horizontal axis and what they are."""
+def label_drive(ax: Any, drive: Drive, scale: Scale) -> None:
+    """Say what of a load case lies along the horizontal axis."""
+    if drive.kind == "length":
+        style.label_axis(ax.xaxis, drive.title(scale), "length", scale)
+    else:
+        ax.set_xlabel(drive.titles(scale)[0])
+
+
+def _abscissa(results: Results, x: Any, owner: str) -> tuple[Floats, str, str]:
+    """Values (s,) along the horizontal axis, what they are and, for its unit, of which kind."""
     if not len(results):
         raise ModelError(f"{owner}: the results hold no step")
     if isinstance(x, str):
         known = ("lam", "time") if results.moves else ("lam",)
         require_choice(x, known, "x", owner, or_else="(node, axis), or one value for each step")
         if x == "time":
-            return results.time, "time"
-        return results.lam, "load factor"
+            return results.time, "time", ""
+        return results.lam, "load factor", ""
     if isinstance(x, tuple) and len(x) == 2 and isinstance(x[1], str):
         node, axis = x
         require_axis(axis, owner, "the axis in x")
         index = results.node_index(node)
-        unit = " [m]" if results.units else ""
-        return results.u[:, index, "xyz".index(axis)].mean(axis=1), f"displacement along {axis}{unit}"
-    return require_array(x, results.lam.shape, name="x", owner=owner), ""
+        return results.u[:, index, "xyz".index(axis)].mean(axis=1), f"displacement along {axis}", "length"
+    return require_array(x, results.lam.shape, name="x", owner=owner), "", ""
 
 
 def _limit_points(results: Results) -> tuple[Results, NDArray[np.int64]]:

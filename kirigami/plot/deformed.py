@@ -11,6 +11,7 @@ from kirigami.errors import ModelError
 from kirigami.plot import style
 from kirigami.primitives.checks import require_array, require_choice, require_finite, shown
 from kirigami.results.fields import energy_density
+from kirigami.results.scale import scale_of
 from kirigami.results.smooth import sectors, surface_stress
 from kirigami.results.yielding import facet_plastic_strain
 from kirigami.units import unit_for
@@ -127,7 +128,7 @@ def plot_results(
     frame(ax, held, looking)  # first, since lines stand a little nearer to who looks, from where that is
     picture.update(points, values)
     if results.units and looking == "top":
-        style.axes_in_unit(ax, float(np.ptp(held[:, :2], axis=0).max()))
+        style.axes_in_unit(ax, scale_of(results))
     if bar:
         color_bar(picture, field, place, label)
     return ax
@@ -139,7 +140,8 @@ def color_bar(picture: Picture, field: Field, place: Any, label: str | None = No
     bar = style.color_bar(picture.ax, picture.mappable, text, place, extend="max" if picture.peaked else "neither")
     if kind and picture.results.units and label is None:
         low, high = picture.mappable.get_clim()
-        unit, factor = unit_for(max(abs(low), abs(high)), kind)
+        scale = scale_of(picture.results)  # one unit of length in a picture; others as suits the values
+        unit, factor = scale.unit(kind) if kind in ("length", "area") else unit_for(max(abs(low), abs(high)), kind)
         bar.ax.yaxis.set_major_formatter(style.in_units_of(factor))
         bar.set_label(f"{text} [{style.raised(unit)}]")
 

@@ -9,6 +9,7 @@ import numpy as np
 
 from kirigami.plot import style
 from kirigami.plot.undeformed import draw_paper, flat_axes
+from kirigami.units import Scale
 
 if TYPE_CHECKING:
     from kirigami.drawing.drawing import Drawing
@@ -64,7 +65,7 @@ def plot_drawing(drawing: Drawing, ax: Any = None) -> Any:
             ax.plot(*_in_one(lines).T, linewidth=width, label=f"{name} ({len(lines)})", **look)
     style.frame_flat(ax, bounds[0], bounds[1])
     if drawing.unit == "m":
-        style.axes_in_unit(ax, float(np.ptp(bounds, axis=0).max()))
+        style.axes_in_unit(ax, Scale.of(float(np.ptp(bounds, axis=0).max())))
     elif drawing.unit:
         ax.set(xlabel=f"x [{drawing.unit}]", ylabel=f"y [{drawing.unit}]")
     ax.legend(loc="upper center", bbox_to_anchor=(0.5, -0.12), ncols=4)

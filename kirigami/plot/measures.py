@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike
 from kirigami.plot import style
 from kirigami.plot.curves import _abscissa
 from kirigami.primitives.checks import require_array, require_text
+from kirigami.results.scale import scale_of
 
 if TYPE_CHECKING:
     from kirigami.results.results import Results
@@ -49,7 +50,7 @@ def plot_energy_shares(results: Results, x: str | tuple[Any, str] | ArrayLike = 
     >>> kg.plot.plot_energy_shares(kg.LinearStatic(m).run()).get_ylabel()
     'share of the energy'
     """
-    across, label = _abscissa(results, x, "plot_energy_shares")
+    across, what, kind = _abscissa(results, x, "plot_energy_shares")
     shares = results.energy_shares()
     stored = sum(shares.values()) > 0.5  # not at rest, where there is nothing to share
     ax = style.new_axes((4.4, 3.2)) if ax is None else ax
@@ -58,7 +59,8 @@ def plot_energy_shares(results: Results, x: str | tuple[Any, str] | ArrayLike = 
     ax.stackplot(
         across[stored], *(values[stored] for values in shares.values()), colors=colors, labels=list(shares), alpha=0.85
     )
-    ax.set(xlabel=label, ylabel="share of the energy", ylim=(0, 1))
+    style.label_axis(ax.xaxis, what, kind, scale_of(results))
+    ax.set(ylabel="share of the energy", ylim=(0, 1))
     ax.margins(x=0)
     ax.legend(loc="center right", frameon=True, framealpha=0.8, edgecolor="none")
     return ax
@@ -112,14 +114,15 @@ def plot_measure(
     >>> kg.plot.plot_measure(res, res.height(), "height").get_ylabel()
     'height'
     """
-    across, across_label = _abscissa(results, x, "plot_measure")
+    across, what, kind = _abscissa(results, x, "plot_measure")
     require_text(name, "name", "plot_measure")
     up = require_array(values, results.lam.shape, name="values", owner="plot_measure", finite=False)
     shown = np.isfinite(up)
     ax = style.new_axes((4.4, 3.2)) if ax is None else ax
     color = style.next_color(ax) if color is None else color
     ax.plot(across[shown], up[shown], color=color, linewidth=1.5, marker="o", markersize=2.6, label=label)
-    ax.set(xlabel=across_label, ylabel=name)
+    style.label_axis(ax.xaxis, what, kind, scale_of(results))
+    ax.set_ylabel(name)
     if label:
         ax.legend()
     return ax

@@ -20,7 +20,7 @@ from kirigami.primitives.checks import (
     require_text,
     shown,
 )
-from kirigami.units import unit_for
+from kirigami.units import Scale
 
 INK = "#333333"
 GREY = "#9aa0a6"
@@ -222,12 +222,17 @@ def _seen(points: Floats, view: tuple[float, float]) -> Floats:
     return seen
 
 
-def axes_in_unit(ax: Any, size: float) -> None:
-    """Label the axes x and y of a picture of something of a size [m] in a fitting unit."""
-    unit, factor = unit_for(size, "length")
+def axes_in_unit(ax: Any, scale: Scale) -> None:
+    """Label the axes x and y of a picture of something flat."""
     for axis, name in ((ax.xaxis, "x"), (ax.yaxis, "y")):
-        axis.set_major_formatter(in_units_of(factor))
-        axis.set_label_text(f"{name} [{unit}]")
+        label_axis(axis, name, "length", scale)
+
+
+def label_axis(axis: Any, what: str, kind: str, scale: Scale) -> None:
+    """Say what an axis holds, in the unit of the picture: its numbers stay in SI units, its ticks do not."""
+    if scale.unit(kind)[0]:
+        axis.set_major_formatter(in_units_of(scale.unit(kind)[1]))
+    axis.set_label_text(raised(scale.title(what, kind)))
 
 
 def in_units_of(factor: float) -> Any:
@@ -239,7 +244,7 @@ def in_units_of(factor: float) -> Any:
 
 def raised(unit: str) -> str:
     """A unit with its squares raised."""
-    return unit.replace("m2", "m$^2$")
+    return unit.replace("m2", "m$^2$").replace("um", "\N{MICRO SIGN}m")
 
 
 def next_color(ax: Any) -> str:

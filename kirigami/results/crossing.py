@@ -8,6 +8,7 @@ import numpy as np
 
 from kirigami.primitives.kernel import Array
 from kirigami.results.results import Results
+from kirigami.results.scale import scale_of
 from kirigami.results.step import Event, Step
 from kirigami.words import counted
 
@@ -76,11 +77,10 @@ def _found(results: Results) -> list[Event]:
         if results.moves:
             when = f"time {step.time:.6g}"
         if open_since is None:
-            where = ", ".join(f"{value:.4g}" for value in places[0])
             open_since = number
             first = (
                 f"the sheet passes through itself at {when}, at {counted(len(places), 'place')}, one of them "
-                f"({where}): the shape is wrong there; kg.SelfContact holds it apart"
+                f"{scale_of(results).place(places[0])}: the shape is wrong there; kg.SelfContact holds it apart"
             )
             found.append(Event("crossing", lam, number, first, (lam, lam)))
         else:

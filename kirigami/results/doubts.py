@@ -18,6 +18,7 @@ from kirigami.results.crossing import words_on_crossings
 from kirigami.results.fracture import tips
 from kirigami.results.recovery import BENDING, MEMBRANE, Recovery
 from kirigami.results.results import Results
+from kirigami.results.scale import scale_of
 from kirigami.results.yielding import yield_words
 
 if TYPE_CHECKING:
@@ -86,17 +87,17 @@ def _ligaments(results: Results, mesh: TriMesh) -> list[str]:
     sizing, thickness = mesh.sizing, results.thickness
     if sizing is None or not sizing.ligaments:
         return []
-    told = []
+    told, scale = [], scale_of(results)
     if sizing.coarse:
         told.append(
-            f"the worst ligament, {sizing.width:.3g} wide at ({sizing.place[0]:.4g}, {sizing.place[1]:.4g}), has "
+            f"the worst ligament, {scale.show(sizing.width, 'length', 3)} wide at {scale.place(sizing.place)}, has "
             f"{sizing.across} across"
         )
     thickest = 0.0 if thickness is None else float(np.max(thickness))
     if thickest > THICK * sizing.narrowest:
         told.append(
-            f"the narrowest ligament is {sizing.narrowest:.3g} wide, {sizing.narrowest / thickest:.2g} times the "
-            "thickness: thin-sheet theory leaves out its shear"
+            f"the narrowest ligament is {scale.show(sizing.narrowest, 'length', 3)} wide, "
+            f"{sizing.narrowest / thickest:.2g} times the thickness: thin-sheet theory leaves out its shear"
         )
     return told
 

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from kirigami import units
 from kirigami.primitives.kernel import Array
+from kirigami.units import Scale
 from kirigami.words import counted
 
 if TYPE_CHECKING:
@@ -58,9 +58,9 @@ class Drive:
         return "sag" if self.motion == "weight" else "torque" if self.turns else "force"
 
     @property
-    def unit(self) -> str:
-        """Of that, in SI units."""
-        return {"sag": "m", "torque": "N m", "force": "N"}[self.answer]
+    def answer_kind(self) -> str:
+        """What that is measured in: "length", "torque" or "force"."""
+        return "length" if self.answer == "sag" else self.answer
 
     def travel(self, results: Results) -> Array:
         """The motion at each step (s,)."""
@@ -104,41 +104,47 @@ class Drive:
         words = self.name.removeprefix("lifted ").replace(":", " ").replace(",", " ").split()
         return "_".join(words)
 
-    @property
-    def _where(self) -> str:
-        """The place in words: "centre", "the disc 0,0,0.006"; coordinates alone say little."""
+    def where(self, scale: Scale) -> str:
+        """The place in words: "centre", "the disc (0, 0, 6) mm"; coordinates alone say little."""
         name = self.name.removeprefix("lifted ")
         with suppress(ValueError):
             numbers = [float(part) for part in name.split(",")]
-            return f"the {SHAPES.get(len(numbers), 'place')} {name}"
+            return f"the {SHAPES.get(len(numbers), 'place')} {scale.place(numbers)}"
         return name
 
-    @property
-    def title(self) -> str:
-        """The motion in words: "strain", "lift of centre"."""
-        return f"lift of {self._where}" if self.motion == "lift" else self.motion
+    def named(self, scale: Scale) -> str:
+        """The motion as the beginning of a sentence: "strain", "lifted centre by"."""
+        return f"lifted {self.where(scale)} by" if self.motion == "lift" else self.motion
 
-    @property
-    def takes(self) -> str:
+    def title(self, scale: Scale) -> str:
+        """The motion in words: "strain", "lift of centre"."""
+        return f"lift of {self.where(scale)}" if self.motion == "lift" else self.motion
+
+    def takes(self, scale: Scale) -> str:
         """What it takes in words: "force of the grip", "torque of the grip", "force at centre"."""
         if self.motion == "lift":
-            return f"force at {self._where}"
+            return f"force at {self.where(scale)}"
         named = {"shear": "force across the pull", "twist": "torque of the grip", "weight": "sag"}
         return named.get(self.motion, "force of the grip")
 
-    def titles(self, si: bool = False) -> tuple[str, str]:
-        """Motion and response as titles of axes, with their units as far as these are known."""
-        unit = {"ratio": "", "angle": " [degrees]", "length": " [m]" * si}[self.kind]
-        return f"{self.title}{unit}", f"{self.takes}{f' [{self.unit}]' * si}"
+    @property
+    def share(self) -> float:
+        """By which the motion is multiplied for people: strains are told in per cent."""
+        return 100.0 if self.kind == "ratio" else 1.0
 
-    def says(self, share: float, si: bool = False) -> str:
+    def titles(self, scale: Scale) -> tuple[str, str]:
+        """Motion and response as titles of axes, with their units as far as these are known."""
+        unit = {"ratio": " [%]", "angle": " [degrees]", "length": ""}[self.kind]
+        return scale.title(f"{self.title(scale)}{unit}", self.kind), scale.title(self.takes(scale), self.answer_kind)
+
+    def says(self, share: float, scale: Scale) -> str:
         """The motion at a load factor, in words."""
         value = self.whole * share
         if self.kind == "ratio":
             return f"{100 * value:.4g} %"
         if self.kind == "angle":
             return counted(value, "degree", spec=".4g")
-        return units.show(value, "length") if si else f"{value:.4g}"
+        return scale.show(value, "length")
 
     def plain(self) -> list[Any]:
         """What a results file keeps."""

@@ -106,13 +106,15 @@ class ErrorBar(Mapping[str, Array]):
             if len(total) and np.isfinite(total[-1]):
                 parts = f"mesh {_percent(self.mesh[name][-1])}, rung {_percent(self.rung[name][-1])}"
                 told.append(f"{name.replace('_', ' ')} {_percent(total[-1])} ({parts})")
+        if not told:
+            return "no error is estimated at the last step"
         return "estimated error at the last step: " + ", ".join(told)
 
     __repr__ = __str__
 
 
 def _percent(share: float) -> str:
-    return f"{100 * share:.2g} %"
+    return f"{float(f'{100 * share:.2g}'):g} %"  # two digits, and yet 200 and not 2e+02
 
 
 def estimated_error(results: Results) -> ErrorBar:

@@ -15,6 +15,7 @@ from kirigami import units
 from kirigami.errors import GeometryError, ModelError
 from kirigami.primitives.checks import require_path
 from kirigami.primitives.kernel import Array
+from kirigami.units import Scale
 from kirigami.words import counted
 
 if TYPE_CHECKING:
@@ -74,6 +75,16 @@ class Comparison:
     share: float
     beyond: int
 
+    def words(self, scale: Scale) -> str:
+        """How far they lie apart, in the units of a report."""
+        left = f", {self.beyond} beyond what was computed left out" if self.beyond else ""
+        return (
+            f"measured curve {self.measured.name}: RMS difference "
+            f"{scale.show(self.rms, 'torque' if self.measured.kind == 'angle' else 'force')}, "
+            f"{100 * self.share:.3g} % of the measured force, over "
+            f"{counted(len(self.motion) - self.beyond, 'point')}{left}"
+        )
+
     @property
     def numbers(self) -> dict[str, Any]:
         """For the report."""
@@ -83,12 +94,7 @@ class Comparison:
         }  # fmt: skip
 
     def __str__(self) -> str:
-        left = f", {self.beyond} beyond what was computed left out" if self.beyond else ""
-        return (
-            f"measured curve {self.measured.name}: RMS difference {self.rms:.4g} "
-            f"{'N m' if self.measured.kind == 'angle' else 'N'}, {100 * self.share:.3g} % of the measured force, over "
-            f"{counted(len(self.motion) - self.beyond, 'point')}{left}"
-        )
+        return self.words(Scale("m"))
 
 
 def read_measured(path: str | os.PathLike[str]) -> Measured:

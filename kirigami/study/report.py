@@ -22,6 +22,7 @@ from kirigami.results.doubts import worth
 from kirigami.results.drives import Drive
 from kirigami.results.fields import facet_strain
 from kirigami.results.results import Results
+from kirigami.results.scale import scale_of
 from kirigami.results.smooth import known_stress, sectors
 from kirigami.study.job import Job
 from kirigami.study.measured import Comparison
@@ -133,37 +134,32 @@ class Report:
 
     def text(self) -> str:
         """The numbers as lines."""
-        n, drive, lam = self.numbers, self.drive, self.results.lam
-        takes, unit = drive.answer, drive.unit
-        reached = drive.says(lam[-1], si=True)
-
-        def amount(value: float) -> str:
-            return units.show(float(f"{value:.4g}"), "length") if takes == "sag" else f"{value:.4g} {unit}"
-
-        peak = drive.says(lam[int(np.abs(self.force).argmax())], si=True)
-        way = f"{drive.motion} {reached}" if drive.motion != "lift" else f"{drive.name} by {reached}"
+        n, drive, lam, scale = self.numbers, self.drive, self.results.lam, scale_of(self.results)
+        takes, kind = drive.answer, drive.answer_kind
+        reached = drive.says(lam[-1], scale)
+        peak = drive.says(lam[int(np.abs(self.force).argmax())], scale)
+        way = f"{drive.named(scale)} {reached}"
         if "displacement" in n:
             assert self.free_length is not None
             way += (
-                f" = {units.show(n['displacement'], 'length')} of grip displacement / "
-                f"{units.show(self.free_length, 'length')} between the grips"
+                f" = {scale.show(n['displacement'], 'length', 6)} of grip displacement / "
+                f"{scale.show(self.free_length, 'length', 6)} between the grips"
             )
         material = f"strain of the material up to {100 * n['largest_material_strain']:.3g} %"
         if self.stress is not None:
-            where = drive.says(lam[int(self.stress.max(axis=1).argmax())], si=True)
+            where = drive.says(lam[int(self.stress.max(axis=1).argmax())], scale)
             material += f", stress up to {units.show(float(f'{self.stress.max():.3g}'), 'stress')} at {where}"
         if n["cuts"]:
             material += " (at the tips of cuts both grow with a finer mesh)"
-        height = float(f"{n['height']:.4g}")
         lines = [
             f"nodes {n['nodes']}, facets {n['facets']}, cuts {n['cuts']}",
             way,
-            f"largest {takes} {amount(n[f'largest_{takes}'])} at {drive.motion} {peak}, "
-            f"last {amount(n[f'last_{takes}'])}",
+            f"largest {takes} {scale.show(n[f'largest_{takes}'], kind)} at {drive.motion} {peak}, "
+            f"last {scale.show(n[f'last_{takes}'], kind)}",
             *(self._further(other) for other in self.results.drives[1:]),
             material,
-            f"height {units.show(height, 'length')}, open area {units.show(n['open_area'], 'area')}",
-            *([str(self.measured)] if self.measured is not None else []),
+            f"height {scale.show(n['height'], 'length')}, open area {scale.show(n['open_area'], 'area')}",
+            *([self.measured.words(scale)] if self.measured is not None else []),
             *self.worth,
             (
                 f"{counted(n['steps'], 'step')}, {n['stable_steps']} stable, largest residual "
@@ -179,10 +175,9 @@ class Report:
 
     def _further(self, drive: Drive) -> str:
         """A second motion in words."""
-        title, unit = drive.takes, drive.unit
-        moved = drive.motion if drive.motion != "lift" else drive.name
-        says = drive.says(self.results.lam[-1], si=True)
-        return f"{moved} {says}: {title} {drive.force(self.results)[-1]:.4g} {unit}"
+        scale = scale_of(self.results)
+        borne = scale.show(float(drive.force(self.results)[-1]), drive.answer_kind)
+        return f"{drive.named(scale)} {drive.says(self.results.lam[-1], scale)}: {drive.takes(scale)} {borne}"
 
 
 def _shapes_in_numbers(results: Results) -> dict[str, Any]:

@@ -13,7 +13,7 @@ import numpy as np
 from kirigami.errors import AnalysisError
 from kirigami.files import whole_file
 from kirigami.primitives.kernel import Array
-from kirigami.units import unit_for
+from kirigami.results.scale import scale_of
 
 if TYPE_CHECKING:
     from kirigami.results.results import Results
@@ -45,20 +45,16 @@ def pictures(report: Report) -> dict[str, Callable[[], Any]]:
 
     results, mesh = report.results, report.results.mesh
     assert mesh is not None
-    drive = report.drive
-    across = 100 * report.motion if drive.kind == "ratio" else report.motion
+    drive, scale = report.drive, scale_of(results)
+    across = drive.share * report.motion
 
     def rest() -> Any:
         ax = plot.plot_model(results.model)
-        style.axes_in_unit(ax, mesh.size)
+        style.axes_in_unit(ax, scale)
         return ax
 
     def over_motion(ax: Any) -> Any:
-        ax.set_xlabel(f"{drive.title}{MOTION_UNITS[drive.kind]}")
-        if drive.kind == "length":
-            unit, factor = unit_for(float(np.abs(report.motion).max()), "length")
-            ax.xaxis.set_major_formatter(style.in_units_of(factor))
-            ax.set_xlabel(f"{drive.title} [{unit}]")
+        plot.curves.label_drive(ax, drive, scale)
         return ax
 
     def opening() -> Any:
@@ -76,24 +72,22 @@ def pictures(report: Report) -> dict[str, Callable[[], Any]]:
     return {**drawn, "opening.png": opening} if mesh.cuts else drawn
 
 
-MOTION_UNITS = {"ratio": " [%]", "angle": " [degrees]", "length": ""}
-
-
 def _force(report: Report, across: Array) -> Any:
     """Force or torque over the motion, each of another motion in a colour of its own, and what was measured."""
     from kirigami import plot
+    from kirigami.plot import style
 
-    results, drives = report.results, report.results.drives
-    title = f"{report.drive.takes} [{report.drive.unit}]"
-    alike = [other for other in drives[1:] if other.turns == report.drive.turns]
+    results, drives, scale = report.results, report.results.drives, scale_of(report.results)
+    alike = [other for other in drives[1:] if other.answer_kind == report.drive.answer_kind]
     several = len(alike) > 0 or report.measured is not None
-    ax = plot.plot_measure(results, report.force, title, x=across, label="computed" if several and not alike else None)
+    ax = plot.plot_measure(results, report.force, x=across, label="computed" if several and not alike else None)
     if alike:
-        ax.lines[-1].set_label(report.drive.takes)
+        ax.lines[-1].set_label(report.drive.takes(scale))
         for other in alike:
-            plot.plot_measure(results, other.force(results), x=across, ax=ax, label=other.takes)
-        ax.set_ylabel(f"{report.drive.answer} [{report.drive.unit}]")
+            plot.plot_measure(results, other.force(results), x=across, ax=ax, label=other.takes(scale))
         ax.legend()
+    title = report.drive.answer if alike else report.drive.takes(scale)
+    style.label_axis(ax.yaxis, title, report.drive.answer_kind, scale)
     with suppress(AnalysisError):  # no estimate of what is no sheet
         error = results.error["force"]
         ax.fill_between(
@@ -106,8 +100,7 @@ def _force(report: Report, across: Array) -> Any:
         ax.plot(across[loose], report.force[loose], linestyle="none", marker="x", color="k", label="unstable")
         ax.legend()
     if report.measured is not None:
-        measured = report.measured
-        share = 100.0 if report.drive.kind == "ratio" else 1.0
+        measured, share = report.measured, report.drive.share
         look = {"linestyle": "none", "marker": "o", "markersize": 3.2, "markerfacecolor": "none", "color": "#d55e00"}
         ax.plot(share * measured.motion, measured.measured.force, label=f"measured: {measured.measured.name}", **look)
         ax.legend()

@@ -164,15 +164,16 @@ def run_job(job: Job, progress: bool, say: Callable[[str], None]) -> Report:
     if case.weight and case.moves:
         note(f"under its own weight from the start, g = {case.weight:g} m/s2")
     back = " and back" if case.cycle else ""
+    scale = units.Scale.of(max(_size(sheet.bounds)))
     for drive in setting.drives:
-        whole = drive.says(1.0, si=True)
+        whole = drive.says(1.0, scale)
         if grips is not None and drive.kind == "ratio":
-            by = units.show(drive.whole * grips.free_length, "length")
+            by = scale.show(drive.whole * grips.free_length, "length", 6)
             note(f"{drive.motion} {whole} to reach (load factor 1), {by} of grip displacement{back}")
         elif drive.motion == "weight":
             note(f"its own weight, g = {case.weight:g} m/s2, to bear (load factor 1){back}")
         elif drive.motion == "lift":
-            note(f"{drive.name} by {whole} (load factor 1){back}")
+            note(f"{drive.named(scale)} {whole} (load factor 1){back}")
         else:
             note(f"{drive.motion} {whole} to reach (load factor 1){back}")
     try:

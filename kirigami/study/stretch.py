@@ -33,6 +33,7 @@ from kirigami.study.folding import fold
 from kirigami.study.grips import find_grips
 from kirigami.study.load_case import STRAIN, LoadCase
 from kirigami.study.setting import set_up
+from kirigami.units import Scale
 from kirigami.words import counted
 
 
@@ -201,7 +202,7 @@ def stretch(
     except ConvergenceError as error:
         if error.results is not None:
             named(error.results)
-        raise _short_of(error, setting.drives[0], case.cycle) from error
+        raise _short_of(error, setting.drives[0], case.cycle, sheet.scale) from error
     _warn_of_lock(results, sheet, setting.drives[0])
     if shapes and not any(event.kind == "interrupted" for event in results.events):
         look_for_shapes(results, seed, progress, say)
@@ -266,7 +267,9 @@ def _checked(sheet: Sheet, thickness: float | None, material: SheetMaterial | No
         missing = "thickness" if thickness is None else "material"
         raise ModelError(f"stretch: the sheet has no {missing}: give one to the Sheet or to stretch")
     thickness = require_positive(thickness, "thickness", "stretch")
-    return Sheet(sheet.outline, sheet.cuts, thickness, material, sheet.folds, sheet.regions)
+    checked = Sheet(sheet.outline, sheet.cuts, thickness, material, sheet.folds, sheet.regions)
+    checked.scale = sheet.scale
+    return checked
 
 
 def _checked_case(
@@ -290,13 +293,13 @@ def default_mesh(sheet: Sheet, lines: dict[str, Any], nodes: int | None, max_edg
     return sheet.mesh(nodes=round(require_positive(nodes, "nodes", "stretch")), lines=lines)
 
 
-def _short_of(error: ConvergenceError, drive: Drive, cycle: bool) -> ConvergenceError:
+def _short_of(error: ConvergenceError, drive: Drive, cycle: bool, scale: Scale) -> ConvergenceError:
     """The failure of a path in terms of what was asked for."""
     reached = 0.0 if error.results is None or not len(error.results) else float(error.results.lam[-1])
-    way = drive.says(1.0) + (" and back" if cycle else "")
+    way = drive.says(1.0, scale) + (" and back" if cycle else "")
     message = str(error).partition("\nHint: ")[0]
     return ConvergenceError(
-        f"the sheet was followed to a {drive.motion} of {drive.says(reached)} on the way to {way}: {message}",
+        f"the sheet was followed to a {drive.motion} of {drive.says(reached, scale)} on the way to {way}: {message}",
         results=error.results,
         history=error.history,
         worst_nodes=error.worst_nodes,
@@ -324,7 +327,7 @@ def material_strain(results: Results, sheet: Sheet) -> Array:
 def _warn_of_lock(results: Results, sheet: Sheet, drive: Drive) -> None:
     beyond = np.flatnonzero(material_strain(results, sheet) > LOCKED)
     if beyond.size and sheet.material is not None and not sheet.material.hyperelastic:
-        reached = drive.says(float(results.lam[beyond[0]]))
+        reached = drive.says(float(results.lam[beyond[0]]), sheet.scale)
         warnings.warn(
             f"at a {drive.motion} of {reached} the material itself is strained by {100 * LOCKED:g} % on average: the "
             "sheet is locked from about there, and what lies beyond follows a linear law that materials may not",

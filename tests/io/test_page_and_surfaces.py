@@ -88,15 +88,15 @@ def test_page_of_a_stretched_sheet_has_units_and_names(tmp_path: Path) -> None:
     head, _ = contents(to_html(res, tmp_path / "si.html").read_text(encoding="utf-8"))
     assert head["unit"] == "mm" and head["extent"] == pytest.approx([1e3 * side for side in plain["extent"]])
     assert (head["main"], head["over"]) == ("force of the grip [N]", "strain [%]")
-    for name in ("torque of the grip [N m]", "height (largest less smallest z) [m]", "energy of shell [J]"):
+    for name in ("torque of the grip [N mm]", "height (largest less smallest z) [mm]", "energy of shell [J]"):
         assert name in head["curves"]
     assert not any(name.startswith("reaction") for name in head["curves"])
     assert head["curves"]["strain [%]"] == pytest.approx((0.2 * res.lam).tolist())
     assert head["fields"]["stress"]["title"] == "von Mises stress [MPa]"
     factor = head["fields"]["stress"]["high"] / plain["fields"]["stress"]["high"]
     assert factor == pytest.approx(1e-6) and head["fields"]["energy"]["title"].startswith("energy / area [")
-    bands = {"force of the grip [N]": "force", "open area of the cuts [m²]": "open_area"}
-    bands["height (largest less smallest z) [m]"] = "height"
+    bands = {"force of the grip [N]": "force", "open area of the cuts [mm²]": "open_area"}
+    bands["height (largest less smallest z) [mm]"] = "height"
     assert set(head["bands"]) == set(bands)
     for name, quantity in bands.items():
         curve = np.abs(head["curves"][name])
