@@ -228,6 +228,9 @@ class SelfContactKernel(Kernel):
         """Positions (n + f, 3) of the nodes of the surface that is held, and of obstacles."""
         return self._held.at(x)
 
+    def held_surface(self, x: Array) -> tuple[Array, NDArray[np.int64], NDArray[np.int64]]:
+        return self.held_at(x), self.edges, self.triangles
+
     # ---- pairs
 
     def _filter(self) -> None:

@@ -17,6 +17,7 @@ Which edges are held is said in :mod:`kirigami.elements.held_edges`.
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterable
 from typing import Any
 
 import numpy as np
@@ -24,8 +25,8 @@ from numpy.typing import NDArray
 
 from kirigami.elements.bend_hinge import BendHingeKernel
 from kirigami.elements.edge_turn import EdgeTurn
-from kirigami.elements.natural import NaturalKernel
-from kirigami.primitives.kernel import EXACT, Array, CompiledKernel, Contribution, Tangent, full_hessian
+from kirigami.elements.natural import NaturalKernel, derived
+from kirigami.primitives.kernel import EXACT, Array, CompiledKernel, Contribution, Kernel, Tangent, full_hessian
 from kirigami.primitives.sensitivity import by_rest_differences
 
 Index = NDArray[np.int64]
@@ -140,6 +141,22 @@ class HeldEdgeKernel(NaturalKernel):
     def force_at(self, deformation: Array, lam: float) -> Array:
         return self.force(self.beyond(deformation, lam))
 
+    def actuate_edges(
+        self,
+        between: Callable[[NDArray[np.int64]], Array],
+        against: Callable[[NDArray[np.int64]], Array],
+        constant: bool,
+    ) -> None:
+        """Take the angles that a curvature of their own gives to facets: `between` the two at edges (k, 2), and
+        `against` the image of one that is mirrored at its edge."""
+        chi = np.zeros(len(self.conn))
+        for member, at, weight, angles in (
+            (self.turn_of, self.turn_at[:, 1:], self.turn_weight, against),
+            (self.fold_of, self.fold_at[:, 1:3], self.fold_weight, between),
+        ):
+            np.add.at(chi, member, weight * angles(self.conn[member[:, None], at]))
+        self.actuate(np.arange(len(chi)), chi, constant)
+
     def by_rest(self, x: Array, lam: float, fields: Array, energies: Array) -> Array | None:
         """By differences, where the constants do not feel the rest state."""
         if self.mesh_edges is None or self._natural is not None:
@@ -181,6 +198,11 @@ class HeldEdgeKernel(NaturalKernel):
             places = self.fold_at[:, :, None], self.fold_at[:, None]
             np.add.at(hessian, (self.fold_of[:, None, None], *places), full_hessian(self._folds, found))
         return Contribution(energy, gradient, hessian)
+
+
+def held_edges(kernels: Iterable[Kernel], owner: str) -> list[HeldEdgeKernel]:
+    """The kernels of held edges, see :func:`derived`."""
+    return derived(kernels, HeldEdgeKernel, lambda kernel: kernel.sheet_part == "held edges", owner)
 
 
 class ClampHingeKernel(HeldEdgeKernel):

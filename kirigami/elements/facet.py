@@ -218,11 +218,14 @@ class FacetKernel(SurfaceKernel):
         own = {"conn": self._given, "beyond": self.softness} | {name: getattr(self, name) for name in names}
         return self.with_natural(own)
 
-    def actuate_sheet(self, members: NDArray[np.int64], strain: Array, folds: Array, constant: bool) -> None:
-        """Add to the strain (k, 3), in the axes of facets, and to the fold angles (k, 3) at which `members` bear
-        nothing."""
-        edges = np.linalg.solve(self._to_strain[members], strain[..., None])[..., 0]
-        self.actuate(members, np.concatenate([edges, folds], axis=1), constant)
+    def on_rest(self, rest: Array) -> FacetKernel:
+        """Isotropic, so that nothing lies along an axis."""
+        return type(self)(rest, **self.arrays())
+
+    def actuate_facets(self, members: NDArray[np.int64], values: Array, folds: Array, constant: bool) -> None:
+        """Edges take the strain, and folds their angles."""
+        edges = np.linalg.solve(self._to_strain[members], values[:, :3, None])[..., 0]
+        self.actuate(members, np.concatenate([edges, folds * self.bends[members]], axis=1), constant)
 
     def natural_deformation(self, lam: float) -> Array | None:
         """Strain and curvature (n, 6), as :meth:`deformation` has them, at which facets bear nothing."""

@@ -46,7 +46,7 @@ class YieldingKernel(Kernel):
     def actuate(self, members: NDArray[np.int64], values: Array, constant: bool) -> None:
         if not constant:
             raise ModelError(YIELDS_AND_DRIVEN)
-        super().actuate(members, values, constant)  # type: ignore[misc]
+        super().actuate(members, values, constant)
 
     def _flow(self, stiffness: Array, felt: Array) -> tuple[Array, Array, Array]:
         return flow(stiffness, self.hardening, felt, self._state)

@@ -6,12 +6,16 @@ what is felt, and so in the load factor, so that their rates are differences, ex
 
 from __future__ import annotations
 
-from typing import Any
+from collections.abc import Callable, Iterable
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
+from kirigami.errors import ModelError
 from kirigami.primitives.kernel import Array, Contribution, Kernel
+
+Base = TypeVar("Base", bound=Kernel)
 
 YIELDS_AND_DRIVEN = (
     "a sheet that yields cannot be driven by Actuate with the load factor, since what has yielded would depend on it: "
@@ -53,3 +57,18 @@ class NaturalKernel(Kernel):
     def with_natural(self, arrays: dict[str, Any]) -> dict[str, Any]:
         """Constructor arguments, with what members bear nothing at."""
         return arrays if self._natural is None else {**arrays, "natural": self._natural}
+
+
+def derived(kernels: Iterable[Kernel], base: type[Base], says: Callable[[Kernel], bool], owner: str) -> list[Base]:
+    """The kernels that tell what `base` asks of them. One that `says` what it is and does not tell that is refused:
+    leaving it out would be a wrong number."""
+    found: list[Base] = []
+    for kernel in kernels:
+        if isinstance(kernel, base):
+            found.append(kernel)
+        elif says(kernel):
+            raise ModelError(
+                f"{owner}: the kernel {kernel.name!r} ({type(kernel).__name__}) does not tell what is asked of it: "
+                f"derive it from {base.__module__}.{base.__name__}"
+            )
+    return found

@@ -110,6 +110,16 @@ class ShellFacet(ModelObject):
     def nodes(self) -> tuple[Node, ...]:
         return (self.i, self.j, self.k)
 
+    @property
+    def shaped(self) -> bool:  # type: ignore[override]
+        """Where it has normals of its own."""
+        return self.normals is not None
+
+    @property
+    def directed(self) -> bool:  # type: ignore[override]
+        """Where its section or material is not the same along all directions, or not known to be."""
+        return self.section is not None or not self.material.isotropic
+
     @classmethod
     def reserve(cls, objects: Sequence[ShellFacet], numbering: Numbering) -> None:
         """Ask for the rows of the edges: offsets of their middles, and their angles."""

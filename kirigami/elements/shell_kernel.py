@@ -31,6 +31,7 @@ from kirigami.elements.shell_rates import Look, Seen, looks
 from kirigami.elements.shell_rest import across, angle_scale, initial_directors, repeated
 from kirigami.elements.surface import SurfaceKernel
 from kirigami.primitives.kernel import EXACT, Array, CompiledKernel, Contribution, Kernel, Tangent, displacement_of
+from kirigami.primitives.material import strain_turn
 
 CHUNK = 512  # facets whose Hessians are made at a time, so that they stay in the processor's cache
 SHARE = np.eye(3) + 1 / 3  # its square is 1 + the unit matrix: the mass of the barycentric coordinates
@@ -64,7 +65,7 @@ class ShellFacetKernel(SurfaceKernel):
     measures_displacement = True
     compile_from = 200  # a facet is as much work as many bars
     approximates = True
-    linear_law = True  # whether forces are the section times the elastic deformation
+    plate_theory = True
 
     def __init__(
         self,
@@ -113,15 +114,32 @@ class ShellFacetKernel(SurfaceKernel):
         super().actuate(members, self.grown(members, values), constant)
 
     def grown(self, members: NDArray[np.int64], values: Array) -> Array:
-        """Strain and curvature (k, 6), in the axes of :meth:`deformation`, at which facets bear nothing whose layers
-        have a strain, and a curvature beside it. A curved sheet whose layers all are strained by e is similar to itself
-        with the second form b + (e b + b e) / 2."""
+        """See the base; a curved sheet whose layers all are strained by e is similar to itself with the second form
+        b + (e b + b e) / 2."""
         b11, b22, b12 = (self._rest_form[members] * [1.0, 1.0, 0.5]).T
         e11, e22, e12 = (values[:, :3] * [1.0, 1.0, 0.5]).T
         grown = np.stack([e11 * b11 + e12 * b12, e12 * b12 + e22 * b22, e12 * (b11 + b22) + b12 * (e11 + e22)], axis=1)
         values = values.copy()
         values[:, 3:] += grown
         return values
+
+    def on_rest(self, rest: Array) -> ShellFacetKernel:
+        """The axes of sections and of strains without stress lie along the first edges, which turn."""
+        made = self.arrays()
+        first, second = self.conn[:, 0], self.conn[:, 1]
+        (x0, y0), (x1, y1) = ((at[second] - at[first])[:, :2].T for at in (self.rest, rest))
+        turn = np.zeros((len(first), 6, 6))
+        turn[:, :3, :3] = turn[:, 3:, 3:] = strain_turn(-np.arctan2(x0 * y1 - y0 * x1, x0 * x1 + y0 * y1))
+        made["section"] = turn.transpose(0, 2, 1) @ made["section"] @ turn
+        if made.get("natural") is not None:
+            made["natural"] = np.einsum("nab,knb->kna", np.linalg.inv(turn), made["natural"])
+        return type(self)(rest, **made)
+
+    def rows_behind(self, inside: NDArray[np.bool_]) -> NDArray[np.int64]:
+        """Those of edges with both ends inside."""
+        corner = inside[self.conn[:, :3]]
+        both = corner & np.roll(corner, -1, axis=1)
+        return np.unique(np.concatenate([self.conn[:, 3:6][both], self.conn[:, 6:][both]]))
 
     @property
     def _rest_form(self) -> Array:
@@ -255,8 +273,7 @@ class ShellFacetKernel(SurfaceKernel):
         return integrated(fields @ self.section, self.chart.area)
 
     def borne_deformation(self, x: Array, lam: float) -> Array:
-        """Strain and curvature (n, 3, 6) at the corners that the section at rest answers with the forces borne: the
-        elastic part, of what yields; the deformation itself, where the law is linear."""
+        """At the corners: the elastic part, of what yields; the deformation itself, where the law is linear."""
         fields = self._elastic(self._fields(x), lam)
         if self.linear_law:
             return fields

@@ -151,7 +151,7 @@ def _parts(
         if not isinstance(material, served):
             known = ", ".join(kind.__name__ for kind in served)
             raise ModelError(f"{owner} cannot hand over {material!r}: it writes sheets of {known} only")
-        if getattr(material, "yields", False):
+        if material.yields:
             raise ModelError(
                 f"{owner} cannot hand over that {material!r} yields: hand over a sheet with hardening=None, which "
                 "stays elastic, and give the other program its own law"

@@ -106,6 +106,7 @@ class NodalLoadKernel(LoadKernel):
 
     name = "loads"
     pairs = ()
+    independent = True
 
     def __init__(self, rest: Array, conn: NDArray[np.int64], force: Array, constant: bool = False) -> None:
         super().__init__(constant)

@@ -17,12 +17,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from kirigami.elements.bar import BarKernel
-from kirigami.elements.bend_hinge import BendHingeKernel
-from kirigami.elements.clamp_hinge import HeldEdgeKernel
-from kirigami.elements.facet import FacetKernel
+from kirigami.elements.clamp_hinge import held_edges
 from kirigami.elements.held_edges import facet_edges
-from kirigami.elements.shell_kernel import ShellFacetKernel
+from kirigami.elements.surface import surfaces_of
 from kirigami.errors import ModelError
 from kirigami.geometry.folds import fold_curvature_rates
 from kirigami.geometry.topology import pair_numbers
@@ -58,7 +55,7 @@ class NaturalState:
                 "strain from: turn the model"
             )
         self.axis = across
-        self.surfaces = [kernel for kernel in numbering.kernels if isinstance(kernel, (ShellFacetKernel, FacetKernel))]
+        self.surfaces = surfaces_of(numbering.kernels, owner)
 
     def tell(self, facets: Index, values: Array, constant: bool) -> None:
         """Add strain and curvature (k, 6) of facets (k,), in the axes of the drawing."""
@@ -66,10 +63,8 @@ class NaturalState:
         state[facets] = values
         if self.numbering.dim == 2 and state[:, 3:].any():
             raise ModelError(f"{self.owner}: nothing bends in a model with dim=2: give no curvature and even heat")
-        if any(isinstance(kernel, ShellFacetKernel) for kernel in self.surfaces):
-            self._tell_shells(facets, state, constant)
-            return
-        folds = self._folds(state) if state[:, 3:].any() else np.zeros((2, len(self.mesh.edges)))
+        folded = not self.surfaces or any(kernel.bends_by_folds for kernel in self.surfaces)
+        folds = self._folds(state) if folded and state[:, 3:].any() else np.zeros((2, len(self.mesh.edges)))
         if folds.any() and any(kernel.across_border for kernel in self.numbering.kernels):
             raise ModelError(
                 f"{self.owner}: a curvature of its own does not go with a periodic cell of bars and hinges or of flat "
@@ -83,12 +78,10 @@ class NaturalState:
             self._tell_held_edges(folds, constant)
 
     def warm(self, facets: Index, heat: Array, constant: bool) -> None:
-        """Tell shell facets (k,) the heat (2,) at their faces; others have one layer, which needs no more than
-        :meth:`tell`."""
+        """Tell facets (k,) the heat (2,) at their faces."""
         for kernel in self.surfaces:
-            if isinstance(kernel, ShellFacetKernel):
-                rows, _ = self._rows(kernel.conn[:, :3], facets)
-                kernel.warm(rows, np.broadcast_to(heat, (len(rows), 2)), constant)
+            rows, _ = self._rows(kernel.conn[:, :3], facets)
+            kernel.warm(rows, np.broadcast_to(heat, (len(rows), 2)), constant)
 
     def _rows(self, corners: Index, facets: Index) -> tuple[Index, Index]:
         """Members (k,) that are among the facets of the mesh, and which of these they are."""
@@ -103,14 +96,6 @@ class NaturalState:
         if found < wanted:
             raise ModelError(f"{self.owner}: {wanted - found} of its {what} were taken out of the model")
 
-    def _tell_shells(self, facets: Index, state: Array, constant: bool) -> None:
-        found = 0
-        for kernel in self.surfaces:
-            rows, at = self._rows(kernel.conn[:, :3], facets)
-            kernel.actuate(rows, self._local(kernel.conn[rows, :3], state[at]), constant)
-            found += len(rows)
-        self._check_found(found, len(facets), "facets")
-
     def _local(self, corners: Index, values: Array) -> Array:
         """Strain and curvature (k, 6) in the axes of elements with `corners` (k, 3), the first along the edge 01."""
         return in_facets(self.place[corners], values)
@@ -121,13 +106,11 @@ class NaturalState:
         return _in_axes(axis, normal, along, values)
 
     def _tell_facets(self, facets: Index, state: Array, folds: Array, constant: bool) -> None:
-        every = np.arange(len(self.triangles))
+        every = np.arange(len(self.triangles)) if folds.any() else facets  # facets share the folds of their neighbours
         table, found = facet_edges(self.mesh), 0
         for kernel in self.surfaces:
-            assert isinstance(kernel, FacetKernel)
             rows, at = self._rows(kernel.conn[:, :3], every)
-            strain = self._local(kernel.conn[rows, :3], state[at])[:, :3]
-            kernel.actuate_sheet(rows, strain, folds[table[at]] * kernel.bends[rows], constant)
+            kernel.actuate_facets(rows, self._local(kernel.conn[rows, :3], state[at]), folds[table[at]], constant)
             found += len(rows)
         self._check_found(found, len(every), "facets")
 
@@ -185,11 +168,11 @@ class NaturalState:
         strain /= share
         bars, hinges = np.zeros(len(edges), dtype=bool), np.zeros(len(edges), dtype=bool)
         for kernel in self.numbering.kernels:
-            if isinstance(kernel, BarKernel) and (kernel.strain, kernel.law, kernel.drive) == ("green", "linear", None):
+            if kernel.sheet_part == "bars":
                 rows, at = self._edges_of(kernel.conn)
                 kernel.actuate(rows, strain[at], constant)
                 bars[at] = True
-            elif isinstance(kernel, BendHingeKernel) and folds.any():
+            elif kernel.sheet_part == "hinges" and folds.any():
                 rows, at = self._edges_of(kernel.conn[:, 1:3])
                 kernel.actuate(rows, self._senses(kernel.conn[rows], at) * folds[at], constant)
                 hinges[at] = True
@@ -207,18 +190,11 @@ class NaturalState:
         return np.asarray(np.sign((np.cross(end - start, wing - start) * normal).sum(axis=1)))
 
     def _tell_held_edges(self, folds: Array, constant: bool) -> None:
-        for kernel in self.numbering.kernels:
-            if not isinstance(kernel, HeldEdgeKernel):
-                continue
-            chi = np.zeros(len(kernel.conn))
-            for member, at, weight, angle in (
-                (kernel.turn_of, kernel.turn_at[:, 1:], kernel.turn_weight, folds[1]),
-                (kernel.fold_of, kernel.fold_at[:, 1:3], kernel.fold_weight, folds[0]),
-            ):
-                pairs = kernel.conn[member[:, None], at]
-                edges = pair_numbers(pairs, self.mesh.edges, len(self.numbering.rest))
-                np.add.at(chi, member, weight * angle[edges])
-            kernel.actuate(np.arange(len(chi)), chi, constant)
+        def edges(pairs: Index) -> Index:
+            return pair_numbers(pairs, self.mesh.edges, len(self.numbering.rest))
+
+        for kernel in held_edges(self.numbering.kernels, self.owner):
+            kernel.actuate_edges(lambda pairs: folds[0][edges(pairs)], lambda pairs: folds[1][edges(pairs)], constant)
 
 
 def _frames(corners: Array) -> tuple[Array, Array, Array]:

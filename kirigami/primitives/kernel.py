@@ -172,6 +172,9 @@ class Kernel:
         an end state tells no gradients.
     across_border : bool
         True where the members bend across the border of a periodic cell.
+    independent : bool
+        True where the members take nothing from the rest state or the sheet, as forces on nodes: then no gradient by
+        these asks for them.
     mesh_edges : ndarray of int, shape (n,), or None
         Edges of a mesh that the members take their constants from; None where these are all between two facets.
     begun : float
@@ -207,6 +210,7 @@ class Kernel:
     approximates: bool = False
     path_dependent: bool = False
     across_border: bool = False
+    independent: bool = False
     mesh_edges: NDArray[np.int64] | None = None
     compile_from: int = 5_000
     begun: float = 1.0
@@ -289,6 +293,11 @@ class Kernel:
         """The same at a load factor, which counts where it changes the law, as a rest length that is driven does."""
         return self.force(deformation)
 
+    def actuate(self, members: NDArray[np.int64], values: Array, constant: bool) -> None:
+        """Add `values` (k, ...) to what `members` (k,) bear nothing at, whatever the load factor or, unless `constant`,
+        growing with it; asked of the parts of a sheet."""
+        raise ModelError(f"{self.name!r} takes no strain or angle of its own: its kernel defines no actuate")
+
     def mass(self, lumped: bool = False) -> Array | None:
         """Mass matrices (n, k, k) of the members, the same along every axis, or None where it has no mass."""
         return None
@@ -301,6 +310,13 @@ class Kernel:
     def settle(self, x: Array) -> None:
         """Given where the nodes are, put a guess into the rows of `x` behind them, and take it as the state from which
         history goes on; kernels without such rows have nothing to do."""
+
+    def rows_behind(self, inside: NDArray[np.bool_]) -> NDArray[np.int64]:
+        """Rows behind the nodes (see :class:`kirigami.Numbering`) that what holds the nodes `inside` (n,) holds as
+        well, so that the forces on them are part of its moment. Elements with such rows must say."""
+        if self.stores_energy and self.conn.size and int(self.conn.max()) >= len(inside):
+            raise ModelError(f"moment: {self.name!r} does not say which of its rows supports hold: define rows_behind")
+        return np.zeros(0, dtype=np.int64)
 
     # ---- members that come and go
 
@@ -316,6 +332,11 @@ class Kernel:
 
     def check_start(self, x: Array) -> None:
         """Raise a ModelError where an analysis must not start from `x`. Only kernels that override this are asked."""
+
+    def held_surface(self, x: Array) -> tuple[Array, NDArray[np.int64], NDArray[np.int64]] | None:
+        """Points, edges and triangles, at positions `x` of the nodes, of a surface that must not pass through itself,
+        in the place of the sheet's own; None where the kernel holds none apart."""
+        return None
 
     # ---- history
 

@@ -30,6 +30,10 @@ class ModelObject:
         Rotation vector at load factor 1 of what turns its nodes [rad].
     border : CellBorder or None
         The border of the periodic cell that it makes of the sheet.
+    shaped : bool
+        Whether it says itself how it is curved, so that its nodes alone do not.
+    directed : bool
+        Whether its stiffness has axes of its own, which turn with it.
 
     Examples
     --------
@@ -67,6 +71,8 @@ class ModelObject:
     clamp: bool = False
     rotation: Any = None
     border: Any = None
+    shaped: bool = False
+    directed: bool = False
 
     @property
     def nodes(self) -> tuple[Node, ...]:

@@ -52,16 +52,17 @@ def _can_cross(results: Results) -> bool:
 
 def _surface(results: Results) -> Callable[[Step], Array]:
     """What finds the crossings (k, 3) of a step: of the facets, or of the surface that contact holds apart."""
-    from kirigami.effects.self_contact import SelfContactKernel
     from kirigami.post.crossing import crossings
 
     mesh = results.mesh
     assert mesh is not None
-    for kernel in results.kernels:
-        if isinstance(kernel, SelfContactKernel):
-            held = kernel
-            return lambda step: crossings(held.held_at(results.rest + step.u), held.edges, held.triangles)
-    return lambda step: crossings(results.rest + step.u, mesh.edges, mesh.triangles)
+
+    def found(step: Step) -> Array:
+        places = results.rest + step.u
+        held = (kernel.held_surface(places) for kernel in results.kernels)
+        return crossings(*next((one for one in held if one is not None), (places, mesh.edges, mesh.triangles)))
+
+    return found
 
 
 def _found(results: Results) -> list[Event]:

@@ -10,17 +10,15 @@ of a sheet that has buckled, where stretching and bending tear alike.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
-from kirigami.elements.facet import FacetKernel
-from kirigami.elements.shell_kernel import ShellFacetKernel
+from kirigami.elements.surface import SurfaceKernel, surfaces_of
 from kirigami.errors import AnalysisError, ModelError
 from kirigami.primitives.checks import require_whole
-from kirigami.primitives.kernel import Array, Configuration, Kernel
-from kirigami.primitives.material import strain_turn
+from kirigami.primitives.kernel import Array, Configuration
 from kirigami.results.linearised import linear_contribution
 from kirigami.results.results import Results
 
@@ -116,7 +114,7 @@ def energy_release(results: Results, cut: int = 0) -> Array:
     mesh, constants = results.mesh, results.sheet_constants
     if mesh is None or constants is None:
         raise AnalysisError("energy_release needs a model made by Model.from_mesh", results=results)
-    kernels = [kernel for kernel in results.kernels if isinstance(kernel, (FacetKernel, ShellFacetKernel))]
+    kernels = surfaces_of(results.kernels, "energy_release")
     if any(kernel.plastic() is not None for kernel in kernels) and not results.linear:
         raise AnalysisError(
             "energy_release is that of a sheet that stays elastic: what yields at a tip takes energy on the way there; "
@@ -143,26 +141,10 @@ def energy_release(results: Results, cut: int = 0) -> Array:
             rest = results.configuration()[:, : results.dim].copy()
             rest[: len(moved), :2] += sign * share * moved[:, None] * tip.direction
             for kernel in kernels:
-                twin = type(kernel)(rest, **_in_moved_axes(kernel, rest))
+                twin = kernel.on_rest(rest)
                 energies = [_energy(results, kernel, twin, number) for number in range(len(results))]
                 released[:, column] -= sign * np.array(energies) / (2 * share * thickness)
     return released
-
-
-def _in_moved_axes(kernel: FacetKernel | ShellFacetKernel, rest: Array) -> dict[str, Any]:
-    """What a kernel is made of, for a rest state with other first edges of its facets: along these lie the axes of
-    sections and of strains without stress, and the grain does not turn with them."""
-    made = kernel.arrays()
-    if not isinstance(kernel, ShellFacetKernel):
-        return made  # isotropic
-    first, second = kernel.conn[:, 0], kernel.conn[:, 1]
-    (x0, y0), (x1, y1) = ((at[second] - at[first])[:, :2].T for at in (kernel.rest, rest))
-    turn = np.zeros((len(first), 6, 6))
-    turn[:, :3, :3] = turn[:, 3:, 3:] = strain_turn(-np.arctan2(x0 * y1 - y0 * x1, x0 * x1 + y0 * y1))
-    made["section"] = turn.transpose(0, 2, 1) @ made["section"] @ turn
-    if made.get("natural") is not None:
-        made["natural"] = np.einsum("nab,knb->kna", np.linalg.inv(turn), made["natural"])
-    return made
 
 
 def _moved(mesh: TriMesh, tip: Tip, others: Index) -> tuple[Array, float]:
@@ -179,15 +161,15 @@ def _moved(mesh: TriMesh, tip: Tip, others: Index) -> tuple[Array, float]:
     return weight, reach
 
 
-def _energy(results: Results, kernel: Kernel, twin: Kernel, number: int) -> float:
+def _energy(results: Results, kernel: SurfaceKernel, twin: SurfaceKernel, number: int) -> float:
     """Energy at a step of a kernel with another rest state; of a linear analysis to second order."""
     step = results[number]
     rows = results.rows(step)
     if results.linear:
-        at_rest = Configuration(twin.rest, np.zeros_like(rows))  # type: ignore[attr-defined]
+        at_rest = Configuration(twin.rest, np.zeros_like(rows))
         return float(linear_contribution(twin, at_rest, step.lam, rows).energy.sum())
     before = kernel.history
     position = next(k for k, other in enumerate(results.kernels) if other is kernel)
     if before is not None and position < len(step.history) and step.history[position] is not None:
         twin.history = step.history[position]
-    return float(twin.evaluate(Configuration(twin.rest, rows), step.lam, 0).energy.sum())  # type: ignore[attr-defined]
+    return float(twin.evaluate(Configuration(twin.rest, rows), step.lam, 0).energy.sum())

@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from kirigami.elements.clamp_hinge import HeldEdgeKernel
-from kirigami.elements.shell_kernel import ShellFacetKernel
+from kirigami.elements.clamp_hinge import HeldEdgeKernel, held_edges
 from kirigami.errors import ModelError
 from kirigami.primitives.kernel import Array, Kernel
 from kirigami.primitives.node import vector_of
@@ -61,25 +60,29 @@ def moment(results: Results, nodes: Nodes, about: Sequence[float] | Array | None
     if not carried.any(axis=1).any():
         raise ModelError("moment: no node is selected")
     found = np.zeros((len(results.steps), 3))
+    behind, clamps = _rows_behind(results.kernels, inside), held_edges(results.kernels, "moment")
     for number, step in enumerate(results.steps):
         u = np.zeros_like(step.u) if results.linear else step.u
         place = results.rest + u
         centre = place[group].mean(axis=0) if point is None else point
         found[number] = np.cross(place - centre, forces[number]).sum(axis=0)
-        for kernel in results.kernels:
-            if isinstance(kernel, ShellFacetKernel):
-                rows = _edge_rows(kernel, inside)
-                found[number] += _of_rows(results, kernel, rows, step, results.row_gradients[number])
-            elif isinstance(kernel, HeldEdgeKernel):
-                found[number] -= _of_clamps(results, kernel, inside, step, centre)
+        for kernel, rows in behind:
+            found[number] += _of_rows(results, kernel, rows, step, results.row_gradients[number])
+        for clamp in clamps:
+            found[number] -= _of_clamps(results, clamp, inside, step, centre)
     return found
 
 
-def _edge_rows(kernel: ShellFacetKernel, inside: NDArray[np.bool_]) -> NDArray[np.int64]:
-    """Rows behind the nodes of edges with both ends inside."""
-    corner = inside[kernel.conn[:, :3]]
-    both = corner & np.roll(corner, -1, axis=1)
-    return np.unique(np.concatenate([kernel.conn[:, 3:6][both], kernel.conn[:, 6:][both]]))
+def _rows_behind(kernels: Sequence[Kernel], inside: NDArray[np.bool_]) -> list[tuple[Kernel, NDArray[np.int64]]]:
+    """Rows behind the nodes that are held with them, each with one kernel that knows how it turns: the forces on an
+    edge between two kinds of facets are those of both."""
+    found, known = [], np.zeros(0, dtype=np.int64)
+    for kernel in kernels:
+        rows = np.setdiff1d(kernel.rows_behind(inside), known)
+        if len(rows):
+            found.append((kernel, rows))
+            known = np.concatenate([known, rows])
+    return found
 
 
 def _of_rows(results: Results, kernel: Kernel, rows: NDArray[np.int64], step: Step, total: Array) -> Array:

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from kirigami.elements.shell_kernel import ShellFacetKernel
+from kirigami.elements.surface import SurfaceKernel, surfaces_of
 from kirigami.elements.triangle import SurfaceStrain
 from kirigami.primitives.kernel import Array
 from kirigami.results.results import Results
@@ -50,8 +50,8 @@ class Recovery:
         self.results, self.mesh = results, mesh
         self.surface = SurfaceStrain(results.rest, mesh.triangles)
         self.area = self.surface.area
-        shells = [kernel for kernel in results.kernels if isinstance(kernel, ShellFacetKernel)]
-        self.shell: ShellFacetKernel | None = shells[0] if len(shells) == 1 else None
+        plates = [kernel for kernel in surfaces_of(results.kernels, "error") if kernel.plate_theory]
+        self.shell: SurfaceKernel | None = plates[0] if len(plates) == 1 else None
         self.section = self._sections()
         self.patch = sectors(results).corner
         corners = results.rest[mesh.triangles]

@@ -27,7 +27,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from kirigami.elements.surface import SurfaceKernel, squares_over
+from kirigami.elements.surface import SurfaceKernel, squares_over, surfaces_of
 from kirigami.elements.triangle import ENDS, STARTS, SurfaceStrain, edge_vectors
 from kirigami.geometry.folds import facet_axes, fold_curvature_rates, laid_out
 from kirigami.post.curvature import CurvatureFit
@@ -78,7 +78,7 @@ class StateReader:
         angle = np.arctan2(gradient[:, 1, 0] - gradient[:, 0, 1], gradient[:, 0, 0] + gradient[:, 1, 1])
         cosine, sine = np.cos(angle), np.sin(angle)
         self.turn = np.stack([np.stack([cosine, -sine], axis=-1), np.stack([sine, cosine], axis=-1)], axis=-2)
-        self.surfaces: list[Any] = [kernel for kernel in results.kernels if kernel.surface]  # of SurfaceKernel
+        self.surfaces = surfaces_of(results.kernels, "stress")
         self._laid_out: dict[int, Any] = {}  # what of the members of a kernel is the same at every step
 
     def at(self, step: Step) -> SheetState:

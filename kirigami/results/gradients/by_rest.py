@@ -51,7 +51,7 @@ def _plain(system: System) -> bool:
         return False
     if system.edges is None:
         return True
-    if any(getattr(item, "normals", None) is not None for item in system.model.elements):
+    if any(item.shaped for item in system.model.elements):
         return False
     return all(
         not item.mirror and all(np.ptp(values) == 0 for values in item.values.values())
@@ -61,7 +61,4 @@ def _plain(system: System) -> bool:
 
 def _isotropic(system: System) -> bool:
     """Whether no section has axes of its own."""
-    return not any(
-        getattr(item, "section", None) is not None or not getattr(getattr(item, "material", None), "isotropic", True)
-        for item in system.model.elements
-    )
+    return not any(item.directed for item in system.model.elements)

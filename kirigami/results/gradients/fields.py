@@ -14,10 +14,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from kirigami.elements.shell_kernel import ShellFacetKernel
+from kirigami.elements.surface import SurfaceKernel, surfaces_of
 from kirigami.errors import AnalysisError, KirigamiWarning, ModelError
 from kirigami.model.from_mesh import sheet_parts
-from kirigami.model.loads import NodalLoadKernel
 from kirigami.model.model import Model
 from kirigami.model.moved import moved
 from kirigami.model.natural_state import in_facets
@@ -46,7 +45,7 @@ def of_sheet(adjoints: Sequence[Adjoint], name: str, owner: str) -> list[Array]:
     here = {id(item) for item in system.model.elements}
     if not all(id(item) in here for item in system.model.sheet_elements):
         raise ModelError(f"{owner}: elements of the sheet were removed, so its {name} does not tell what is left")
-    shells = [kernel for kernel in system.kernels if isinstance(kernel, ShellFacetKernel)]
+    shells = [kernel for kernel in surfaces_of(system.kernels, owner) if kernel.plate_theory]
     if name in ("strain", "curvature"):
         if len(shells) == 1 and any(material.hyperelastic for material in sheet.materials):
             raise ModelError(f"{owner}: a {name} of its own is not known of rubber: take a linear elastic material")
@@ -69,9 +68,9 @@ def of_sheet(adjoints: Sequence[Adjoint], name: str, owner: str) -> list[Array]:
             work = adjoint.of_member_arrays(shells[0])["section"] * shells[0].section
             membrane, bending = work[:, :3, :3].sum(axis=(1, 2)), work[:, 3:, 3:].sum(axis=(1, 2))
             rate += (membrane + (3 if name == "thickness" else 1) * bending) / values
-    if closed_form and all(isinstance(kernel, (ShellFacetKernel, NodalLoadKernel)) for kernel in system.kernels):
-        return closed  # a force on a node feels nothing of the sheet
-    left_out = ShellFacetKernel if sheet.rung == "shell" else None
+    if closed_form and all(kernel is shells[0] or kernel.independent for kernel in system.kernels):
+        return closed
+    left_out = shells if closed_form else []
 
     def lowered(moved: Array) -> list[Kernel]:
         return _with_sheet(system.model, name, moved, owner)
@@ -84,7 +83,7 @@ def of_sheet(adjoints: Sequence[Adjoint], name: str, owner: str) -> list[Array]:
     return closed
 
 
-def _of_natural(adjoints: Sequence[Adjoint], shell: ShellFacetKernel, name: str) -> list[Array]:
+def _of_natural(adjoints: Sequence[Adjoint], shell: SurfaceKernel, name: str) -> list[Array]:
     """By a strain or curvature (facets, 3) in the axes of the drawing, there in full."""
     corners, every = shell.rest[shell.conn[:, :3]], np.arange(len(shell.conn))
     found = [np.empty((len(shell.conn), 3)) for _ in adjoints]
@@ -130,14 +129,14 @@ def _kernels(model: Model, objects: Sequence[Any], constants: Any, rest: Array) 
 
 
 def _felt_elsewhere(
-    system: System, lowered: Callable[[Array], list[Kernel]], values: Array, but: Any
+    system: System, lowered: Callable[[Array], list[Kernel]], values: Array, but: Sequence[Kernel]
 ) -> list[int]:
-    """Numbers of the kernels, but those of the class `but`, that a change of the values is felt by."""
+    """Numbers of the kernels, without those `but`, that a change of the values is felt by."""
     moved = lowered(values * (1 + 1e-3 * np.random.default_rng(0).uniform(0.5, 1.0, len(values))))
     _same(system.kernels, moved)
     found = []
     for number, (before, after) in enumerate(zip(system.kernels, moved)):
-        if but is not None and isinstance(before, but):
+        if any(before is one for one in but):
             continue
         if any(
             isinstance(value, np.ndarray) and value.dtype.kind == "f" and not _alike(value, after.arrays().get(key))
