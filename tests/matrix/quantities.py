@@ -116,7 +116,7 @@ NO_QUANTITY: dict[str, str] = {
     **dict.fromkeys(["gradient"], "held against Taylor series, on every structure, in test_gradients.py"),
     **dict.fromkeys(["residual", "summary"], "tells how the computation went, which differs in rounding"),
     **dict.fromkeys(["energy_release"], "of slits, which these have none of; in mechanics/test_energy_release.py"),
-    **dict.fromkeys(["plot", "plot_curve", "plot_stress", "animate"], "pictures, tested in test_plot.py"),
+    **dict.fromkeys(["plot", "plot_curve", "plot_stress", "animate"], "pictures, tested in tests/plot"),
     **dict.fromkeys(
         ["save", "to_csv", "to_html", "to_surface", "to_vtk", "to_xarray"], "files, in test_exporters.py"
     ),

@@ -149,7 +149,7 @@ METHODS: dict[str, Callable[[str], None]] = {
 NO_METHOD: dict[str, str] = {
     "from_mesh": "makes every sheet of the matrix",
     "index": "with positions",
-    "plot": "a picture, tested in test_plot.py",
+    "plot": "a picture, tested in tests/plot",
     "to_abaqus": "with the exporters",
     "to_openseespy": "with the exporters",
     **dict.fromkeys(

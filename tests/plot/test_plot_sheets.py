@@ -2,25 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-
-import matplotlib
 import numpy as np
 import pytest
 import shapely
-from matplotlib import pyplot
 from mpl_toolkits.mplot3d.proj3d import proj_transform
 
 import kirigami as kg
 from kirigami.results.smooth import surface_stress
-
-matplotlib.use("Agg")
-
-
-@pytest.fixture(autouse=True)
-def _close_figures() -> Iterator[None]:
-    yield
-    pyplot.close("all")
 
 
 def test_the_curve_of_a_stretched_sheet_has_its_band_unasked() -> None:
