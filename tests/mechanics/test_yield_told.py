@@ -2,7 +2,7 @@
 
 import pytest
 import shapely
-from test_yield import lifted
+from yield_samples import lifted
 
 import kirigami as kg
 
