@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from kirigami.elements import shell_lanes, shell_loops, shell_sections
 from kirigami.elements.compiled_yield import CompiledLayers
-from kirigami.elements.shell_kernel import SHARE
+from kirigami.elements.shell_derivatives import SHARE
 from kirigami.elements.shell_lane_rows import LANES
 from kirigami.primitives.kernel import Array, CompiledKernel, Configuration, Tangent, displacement_of
 from kirigami.primitives.processors import processors

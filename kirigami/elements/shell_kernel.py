@@ -2,26 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from kirigami.elements.shell_bending import (
-    AreaFrames,
     Bending,
-    EdgeFrames,
-    angle_derivatives,
-    angle_second,
     angles,
     area_frames,
     edge_frames,
 )
+from kirigami.elements.shell_derivatives import Answer, piece_by_piece, pulled_back
 from kirigami.elements.shell_geometry import (
     EDGE_OF_POINT,
     Chart,
-    by_measures,
     corner_fields,
     facet_vectors,
     integrated,
@@ -32,9 +27,6 @@ from kirigami.elements.shell_rest import across, angle_scale, initial_directors,
 from kirigami.elements.surface import SurfaceKernel
 from kirigami.primitives.kernel import EXACT, Array, CompiledKernel, Contribution, Kernel, Tangent, displacement_of
 from kirigami.primitives.material import strain_turn
-
-CHUNK = 512  # facets whose Hessians are made at a time, so that they stay in the processor's cache
-SHARE = np.eye(3) + 1 / 3  # its square is 1 + the unit matrix: the mass of the barycentric coordinates
 
 # Integrals over the facet, by its area, of products of the l_i and of 4 l_a l_b.
 CONSISTENT = np.zeros((9, 9))
@@ -173,19 +165,7 @@ class ShellFacetKernel(SurfaceKernel):
         rate = (drive * self._answer(fields, 1).resultants).sum(axis=(1, 2))
         if need == 0:
             return Contribution(rate)
-        resultants = self._drive_resultants(drive, fields)
-        pull = by_measures(self._membrane.to_strain, resultants[..., :3])
-        bend = by_measures(self._bending.to_curvature, resultants[..., 3:])
-        vectors, directors = self._vectors(x)[0], self._local_directors()
-        gradient = np.empty((len(self.conn), 9, 3))
-        for start in range(0, len(self.conn), CHUNK):
-            part = slice(start, start + CHUNK)
-            v = vectors[..., part]
-            membrane, bending = self._chains(_State(v, area_frames(v), edge_frames(v), directors[..., part], part))
-            local = np.einsum("mzn,mn->nz", bending, bend[:, part])
-            local[:, :15] += np.einsum("mzn,mn->nz", membrane, pull[:, part])
-            gradient[part] = _to_rows(local)
-        return Contribution(rate, gradient)
+        return Contribution(rate, pulled_back(self, x, self._drive_resultants(drive, fields)))
 
     def _drive_resultants(self, drive: Array, fields: Array) -> Array:
         """Rate (n, 3, 6) of the resultants with elastic strain and curvature (n, 3, 6) that change by `drive`."""
@@ -353,19 +333,6 @@ class ShellFacetKernel(SurfaceKernel):
         """Curvature (n, 3, 3) at the corners of each facet: (kxx, kyy, 2 kxy)."""
         return self._fields(x)[..., 3:]
 
-    def _pull_ahead(self, x: Array, change: Array, lam: float) -> Array:
-        """Membrane forces by the measures (9, n) after a linear step `change` off `x`."""
-        vectors, moved = self._vectors(x)
-        rate = np.empty((9, len(self.conn)))
-        ahead = facet_vectors(change, self.conn)
-        for start in range(0, len(self.conn), CHUNK):
-            part = slice(start, start + CHUNK)
-            chain = self._membrane.derivatives(vectors[..., part], part)
-            rate[:, part] = np.einsum("mpan,pan->mn", chain, ahead[..., part])
-        fields = np.zeros((len(self.conn), 3, 6)) if not self.coupled else self._fields(x)
-        fields[..., :3] = corner_fields(self._membrane.to_strain, self._membrane.measures(moved) + rate)
-        return by_measures(self._membrane.to_strain, self._resultants(self._elastic(fields, lam))[..., :3])
-
     # ---- energy and derivatives
 
     def _answer(self, fields: Array, need: int = 2) -> Answer:
@@ -379,7 +346,7 @@ class ShellFacetKernel(SurfaceKernel):
         n = len(answer.energy)
         gradient = np.empty((n, 9, 3))
         hessian = np.empty((n, 9, 9, 3, 3)) if need == 2 else None
-        for part, forces, blocks in self._piece_by_piece(x, lam, need, answer, tangent):
+        for part, forces, blocks in piece_by_piece(self, x, lam, need, answer, tangent):
             gradient[part] = forces
             if hessian is not None:
                 hessian[part] = blocks
@@ -388,7 +355,7 @@ class ShellFacetKernel(SurfaceKernel):
     def with_product(self, x: Array, lam: float, vectors: Array) -> tuple[Contribution, Array]:
         answer = self._answer(self._elastic(self._fields(x), lam))
         gradient, product = np.empty((2, len(answer.energy), 9, 3))
-        for part, forces, blocks in self._piece_by_piece(x, lam, 2, answer):
+        for part, forces, blocks in piece_by_piece(self, x, lam, 2, answer):
             assert blocks is not None
             gradient[part], product[part] = forces, np.einsum("nklab,nlb->nka", blocks, vectors[part])
         return Contribution(answer.energy, gradient), product
@@ -396,109 +363,7 @@ class ShellFacetKernel(SurfaceKernel):
     def stiffness_size(self, x: Array, lam: float) -> Array:
         answer = self._answer(self._elastic(self._fields(x), lam))
         size = np.empty(len(self.conn))
-        for part, _, blocks in self._piece_by_piece(x, lam, 2, answer):
+        for part, _, blocks in piece_by_piece(self, x, lam, 2, answer):
             assert blocks is not None
             size[part] = np.linalg.norm(blocks.reshape(len(blocks), -1), axis=1)
         return size
-
-    def _piece_by_piece(
-        self, x: Array, lam: float, need: int, answer: Answer, tangent: Tangent = EXACT
-    ) -> Iterator[tuple[slice, Array, Array | None]]:
-        """Gradient and, where needed, Hessian blocks of a few facets after the other: all at once fill the memory."""
-        _, resultants, sections, own = answer
-        pull = by_measures(self._membrane.to_strain, resultants[..., :3])
-        bend = by_measures(self._bending.to_curvature, resultants[..., 3:])
-        geometric = pull
-        if tangent.ahead is not None and need == 2:
-            geometric = self._pull_ahead(*tangent.ahead, lam)
-            if own is not None:  # what yields pumps up no false stress
-                geometric[:, own] = pull[:, own]
-        vectors = self._vectors(x)[0]
-        directors = self._local_directors()
-        for start in range(0, len(resultants), CHUNK):
-            part = slice(start, start + CHUNK)
-            v = vectors[..., part]
-            state = _State(v, area_frames(v), edge_frames(v), directors[..., part], part)
-            membrane, bending = self._chains(state)
-            local = np.einsum("mzn,mn->nz", membrane, pull[:, part])
-            local = np.concatenate([local, np.zeros((len(local), 9))], axis=1)
-            local += np.einsum("mzn,mn->nz", bending, bend[:, part])
-            blocks = None
-            if need == 2:
-                forces = geometric[:, part], bend[:, part]
-                blocks = self._hessian(state, membrane, bending, *forces, sections[part], tangent)
-            yield part, _to_rows(local), blocks
-
-    def _chains(self, state: _State) -> tuple[Array, Array]:
-        """First derivatives of the membrane measures by v, (9, 15, m), and of the bending measures by v and the stored
-        angles, (15, 24, m)."""
-        m = state.vectors.shape[-1]
-        membrane = self._membrane.derivatives(state.vectors, state.part).reshape(9, 15, m)
-        bending = np.zeros((15, 24, m))
-        inside = self._bending.curvature_derivatives(state.vectors, state.area, state.part)
-        bending[:9, :15] = inside.reshape(9, 15, m)
-        bending[9:, :15] = angle_derivatives(state.edges, state.directors).reshape(6, 15, m)
-        point, facet = np.indices((6, m))
-        column = 15 + 3 * EDGE_OF_POINT[:, None] + self._stored[:, state.part]
-        bending[9 + point, column, facet] = -self._angle_scale[:, state.part]
-        return membrane, bending
-
-    def _hessian(
-        self, state: _State, membrane: Array, bending: Array, pull: Array, bend: Array, sections: Array,
-        tangent: Tangent,
-    ) -> Array:  # fmt: skip
-        part, m = state.part, membrane.shape[-1]
-        exact = 1.0 - tangent.convexity
-        rows = np.zeros((m, 3, 6, 24))
-        rows[:, :, :3, :15] = (self._membrane.to_strain[part] @ membrane.transpose(2, 0, 1)).reshape(m, 3, 3, 15)
-        rows[:, :, 3:] = (self._bending.to_curvature[part] @ bending.transpose(2, 0, 1)).reshape(m, 3, 3, 24)
-        rows = (SHARE @ rows.reshape(m, 3, -1)).reshape(m, 3, 6, 24)
-        stiff = (sections * (self.chart.area[part] / 12)[:, None, None, None]) @ rows
-        total = rows.reshape(m, 18, 24).transpose(0, 2, 1) @ stiff.reshape(m, 18, 24)
-        form = self._membrane.second_derivatives(exact * pull, part)
-        if tangent.convexity:
-            form += tangent.convexity * self._membrane.tension_form(pull, part)
-        curved = (form.reshape(25, m)[:, None, None] * np.eye(3)[:, :, None]).reshape(25, 3, 3, m)
-        if exact:
-            bend = exact * bend
-            curved += self._bending.curvature_second(bend[:9], state.vectors, state.area, part)
-            curved += angle_second(bend[9:], state.edges, state.directors)
-        total[:, :15, :15] += curved.reshape(5, 5, 3, 3, m).transpose(4, 0, 2, 1, 3).reshape(m, 15, 15)
-        return _to_blocks(total)
-
-
-class Answer(NamedTuple):
-    """What facets answer to strain and curvature at their corners: energy (n,), its derivatives (n, 3, 6), the tangent
-    sections (n, 1 or 3, 6, 6) at the points inside, and which facets do so by another law than the elastic one."""
-
-    energy: Array
-    resultants: Array
-    sections: Array
-    own: NDArray[np.int64] | None = None
-
-
-class _State(NamedTuple):
-    """A chunk of facets: vectors v, frames and directors, and which facets they are."""
-
-    vectors: Array
-    area: AreaFrames
-    edges: EdgeFrames
-    directors: Array
-    part: slice
-
-
-def _to_rows(local: Array) -> Array:
-    """From derivatives (n, 24) by the vectors v and the stored angles to those by the rows, (n, 9, 3)."""
-    rows = np.empty((len(local), 9, 3))
-    rows[:, 1:] = local.reshape(-1, 8, 3)
-    rows[:, 0] = -rows[:, 1] - rows[:, 2]
-    return rows
-
-
-def _to_blocks(local: Array) -> Array:
-    """The same for second derivatives (n, 24, 24): blocks (n, 9, 9, 3, 3)."""
-    blocks = np.empty((len(local), 9, 9, 3, 3))
-    blocks[:, 1:, 1:] = local.reshape(-1, 8, 3, 8, 3).transpose(0, 1, 3, 2, 4)
-    blocks[:, 0, 1:] = -blocks[:, 1, 1:] - blocks[:, 2, 1:]
-    blocks[:, :, 0] = -blocks[:, :, 1] - blocks[:, :, 2]
-    return blocks

@@ -16,8 +16,9 @@ from typing import Any
 
 import numpy as np
 
+from kirigami.elements.shell_derivatives import Answer
 from kirigami.elements.shell_geometry import AREA_PLACES
-from kirigami.elements.shell_kernel import Answer, ShellFacetKernel
+from kirigami.elements.shell_kernel import ShellFacetKernel
 from kirigami.elements.surface import squares_over
 from kirigami.errors import ModelError
 from kirigami.primitives.kernel import Array, Kernel

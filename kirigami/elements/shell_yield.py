@@ -21,8 +21,9 @@ from numpy.typing import NDArray
 from kirigami.elements.layers import LAYERS, Layers
 from kirigami.elements.natural import YIELDS_AND_DRIVEN
 from kirigami.elements.plane_stress import STATE
+from kirigami.elements.shell_derivatives import Answer
 from kirigami.elements.shell_geometry import AREA_PLACES
-from kirigami.elements.shell_kernel import Answer, ShellFacetKernel
+from kirigami.elements.shell_kernel import ShellFacetKernel
 from kirigami.errors import ModelError
 from kirigami.primitives.hardening import Hardening
 from kirigami.primitives.kernel import Array, CompiledKernel
