@@ -357,8 +357,8 @@ def test_defaults_serve_every_rung(rung: str) -> None:
 
 @pytest.mark.parametrize("rung", ["plate", "facet", "shell"])
 def test_a_shelf_sags_onto_a_table_with_no_setting_changed(rung: str) -> None:
-    """A load alone brings a free end into touch, three nodes at once; what presses and what the clamp bears is it."""
-    length, width, thickness = 0.1, 0.02, 0.2e-3
+    """A load alone brings a free end into touch, two nodes at once; what presses and what the clamp bears is it."""
+    length, width, thickness = 0.1, 0.01, 0.2e-3
     material = kg.Material(E=3.5e9, nu=0.0, density=1390.0)
     sheet = kg.Sheet(shapely.box(0, 0, length, width), thickness=thickness, material=material)
     m = kg.Model.from_mesh(sheet.mesh(0.01), stiffness=rung)

@@ -29,7 +29,7 @@ class Case:
             thickness=0.01,
             material=kg.Material(E=1e9, nu=0.3),
         )
-        m = kg.Model.from_mesh(sheet.mesh(0.15), stiffness=rung)
+        m = kg.Model.from_mesh(sheet.mesh(0.25), stiffness=rung)
         left, right = m.select(boundary="left"), m.select(boundary="right")
         self.late: list[Any] = []
         self.left, self.right = left, right
@@ -43,6 +43,7 @@ class Case:
         ]
         self.model = m
         self.results = kg.DisplacementControl(m, step=0.5).run()
+        self.results.stats["seconds"] = {"total": 1.0}  # the one thing that differs from run to run
 
 
 EDITS: dict[str, Callable[[Case], Any]] = {
@@ -103,14 +104,19 @@ def assert_same(now: Any, then: Any) -> None:
         assert now == then
 
 
+@pytest.fixture(scope="module")
+def untouched(tmp_path_factory: pytest.TempPathFactory) -> dict[str, dict[str, Any]]:
+    """What the results of each rung say, whose model nobody changed."""
+    return {rung: said(Case(rung), tmp_path_factory.mktemp(rung)) for rung in RUNGS}
+
+
 @pytest.mark.parametrize("rung", RUNGS)
 @pytest.mark.parametrize("edit", list(EDITS))
-def test_results_do_not_change_with_the_model(edit: str, rung: str, tmp_path: Path) -> None:
-    case = Case(rung)
-    then = said(case, tmp_path)
-    case.results._told.clear()  # nothing may rest on what was asked for before
-    for name in ("_gradients", "energy", "_index"):
-        case.results.__dict__.pop(name, None)
+def test_results_do_not_change_with_the_model(
+    edit: str, rung: str, untouched: dict[str, dict[str, Any]], tmp_path: Path
+) -> None:
+    """Those of another run of the same case, which were asked for nothing before, so that nothing rests on that."""
+    case, then = Case(rung), untouched[rung]
     EDITS[edit](case)
     now = said(case, tmp_path)
     assert now.keys() == then.keys()
@@ -162,9 +168,10 @@ def test_contacts_are_told_apart() -> None:
 
 @pytest.mark.parametrize("rung", RUNGS)
 @pytest.mark.parametrize("how", ["file", "pickle", "forgotten"])
-def test_results_that_travelled_say_the_same(how: str, rung: str, tmp_path: Path) -> None:
-    case = Case(rung)
-    then = said(case, tmp_path)
+def test_results_that_travelled_say_the_same(
+    how: str, rung: str, untouched: dict[str, dict[str, Any]], tmp_path: Path
+) -> None:
+    case, then = Case(rung), untouched[rung]
     number = {
         "nodes": [case.results.node_index(case.left).tolist(), case.results.node_index(case.right).tolist()],
     }

@@ -16,7 +16,7 @@ import shapely
 import kirigami as kg
 from kirigami.results.contact import normal_forces, penetration
 
-LENGTH, WIDTH, THICKNESS = 0.1, 0.02, 0.2e-3  # m
+LENGTH, WIDTH, THICKNESS = 0.1, 0.01, 0.2e-3  # m
 FILM = kg.Material(E=3.5e9, nu=0.0, density=1390.0)  # no Poisson ratio, so that a strip is a beam
 RIGIDITY = FILM.E * THICKNESS**3 / 12  # per width
 

@@ -40,6 +40,19 @@ def _dyads(a: Array, b: Array) -> Array:
     return np.asarray(0.5 * (product + product.swapaxes(1, 2)))
 
 
+def _cross(a: Array, b: Array) -> Array:
+    """Products (n, 3) as numpy.cross makes them, to the bit, without what it does before it begins."""
+    product = np.empty_like(a)
+    for axis, (one, other) in enumerate(((1, 2), (2, 0), (0, 1))):
+        np.multiply(a[:, one], b[:, other], out=product[:, axis])
+        product[:, axis] -= a[:, other] * b[:, one]
+    return product
+
+
+def _length(a: Array) -> Array:
+    return np.asarray(np.sqrt(_dot(a, a)))
+
+
 class EdgeTurn:
     """Angles phi of many edges.
 
@@ -75,14 +88,14 @@ class EdgeTurn:
         return self._edge + edge, self._wing + wing
 
     def _raw(self, edge: Array, wing: Array) -> Array:
-        u = edge / np.linalg.norm(edge, axis=1)[:, None]
+        u = edge / _length(edge)[:, None]
         m = self._direction - np.where(
             self.carried[:, None],
             (_dot(u, self._direction) / (1 + _dot(u, self._unit)))[:, None] * (self._unit + u),
             _dot(u, self._direction)[:, None] * u,
         )
-        m /= np.linalg.norm(m, axis=1)[:, None]
-        return np.arctan2(_dot(wing, np.cross(u, m)), _dot(wing, m))
+        m /= _length(m)[:, None]
+        return np.asarray(np.arctan2(_dot(wing, _cross(u, m)), _dot(wing, m)))
 
     def angles(self, x: Array) -> Array:
         """Angle (n,) [rad], with the turns it has made since the rest state."""
@@ -91,54 +104,72 @@ class EdgeTurn:
 
     def _frame(self, edge: Array, wing: Array) -> tuple[Array, Array, Array, Array, Array, Array]:
         """|e|, u, h, c (n, 3), t and n."""
-        length = np.linalg.norm(edge, axis=1)
+        length = _length(edge)
         u = edge / length[:, None]
         beta = _dot(wing, u) / length
         off = wing - (beta * length)[:, None] * u
-        height = np.linalg.norm(off, axis=1)
+        height = _length(off)
         t = off / height[:, None]
         c = np.stack([np.ones_like(beta), beta - 1, -beta], axis=1)
-        return length, u, height, c, t, np.cross(u, t)
+        return length, u, height, c, t, _cross(u, t)
 
-    def _spin(self, edge: Array, length: Array) -> tuple[Array, Array]:
-        """a (n, 3), and the symmetric part (n, 3, 3) of its derivative."""
-        unit = edge / length[:, None]
-        e_0 = self._unit
-        along = _dot(e_0, edge)
-        w = np.cross(edge, e_0)
-        size = length * (length + along)
-        change = 2 * edge + along[:, None] * unit + length[:, None] * e_0
-        carried = w / size[:, None], -_dyads(w, change) / (size**2)[:, None, None]
-        normal = self._direction
-        p = _dot(normal, edge)
-        w = np.cross(edge, normal)
-        across = length**2 - p**2
-        size = length * across
-        change = across[:, None] * unit + 2 * length[:, None] * (edge - p[:, None] * normal)
-        still = (
-            -(p / size)[:, None] * w,
-            -_dyads(w, normal) / size[:, None, None] + (p / size**2)[:, None, None] * _dyads(w, change),
+    def _spin(self, edge: Array, length: Array, need: int) -> tuple[Array, Array | None]:
+        """a (n, 3), and where `need` is 2 the symmetric part (n, 3, 3) of its derivative."""
+        if self.carried.all():
+            return self._carried_spin(edge, length, need)
+        if not self.carried.any():
+            return self._still_spin(edge, length, need)
+        (a, by_edge), (other, by_other) = (
+            spin(edge, length, need) for spin in (self._carried_spin, self._still_spin)
         )
         chosen = self.carried[:, None]
-        return np.where(chosen, carried[0], still[0]), np.where(chosen[..., None], carried[1], still[1])
+        if by_edge is None or by_other is None:
+            return np.where(chosen, a, other), None
+        return np.where(chosen, a, other), np.where(chosen[..., None], by_edge, by_other)
+
+    def _carried_spin(self, edge: Array, length: Array, need: int) -> tuple[Array, Array | None]:
+        """Of clamps."""
+        e_0 = self._unit
+        along = _dot(e_0, edge)
+        w = _cross(edge, e_0)
+        size = length * (length + along)
+        if need < 2:
+            return w / size[:, None], None
+        change = 2 * edge + (along / length)[:, None] * edge + length[:, None] * e_0
+        return w / size[:, None], -_dyads(w, change) / (size**2)[:, None, None]
+
+    def _still_spin(self, edge: Array, length: Array, need: int) -> tuple[Array, Array | None]:
+        """Of mirror planes."""
+        normal = self._direction
+        p = _dot(normal, edge)
+        w = _cross(edge, normal)
+        across = length**2 - p**2
+        size = length * across
+        spin = -(p / size)[:, None] * w
+        if need < 2:
+            return spin, None
+        change = (across / length)[:, None] * edge + 2 * length[:, None] * (edge - p[:, None] * normal)
+        return spin, -_dyads(w, normal) / size[:, None, None] + (p / size**2)[:, None, None] * _dyads(w, change)
 
     def first_derivatives(self, edge: Array, wing: Array) -> Array:
         """Gradient (n, 3 nodes, 3) of the angles by the positions of i, j and k."""
         length, _, height, c, _, n = self._frame(edge, wing)
-        spin, _ = self._spin(edge, length)
+        spin, _ = self._spin(edge, length, 1)
         return np.asarray(c[:, :, None] * (n / height[:, None])[:, None] - ALONG[:, None] * spin[:, None])
 
     def second_derivatives(self, edge: Array, wing: Array) -> Array:
         """Second derivatives (n, 3, 3, 3, 3): node and node, then direction and direction."""
         length, u, height, c, t, n = self._frame(edge, wing)
-        _, twist = self._spin(edge, length)
+        _, twist = self._spin(edge, length, 2)
+        assert twist is not None
         bend = 2 * _dyads(n, t)
         slant = (u[:, :, None] * n[:, None]) / (height * length)[:, None, None]
         cd = c[:, :, None] * ALONG
         both = (0.5 / length**2)[:, None, None] * bend + twist
-        return np.asarray(
-            -np.einsum("np,nq,nab->npqab", c, c, bend / (height**2)[:, None, None])
-            - np.einsum("npq,nab->npqab", cd, slant)
-            - np.einsum("nqp,nba->npqab", cd, slant)
-            - np.einsum("p,q,nab->npqab", ALONG, ALONG, both)
-        )
+        cc, dd = c[:, :, None] * c[:, None], ALONG[:, None] * ALONG
+        found = cc[..., None, None] * (bend / -(height**2)[:, None, None])[:, None, None]
+        sloped = cd[..., None, None] * slant[:, None, None]
+        found -= sloped
+        found -= sloped.transpose(0, 2, 1, 4, 3)
+        found -= dd[..., None, None] * both[:, None, None]
+        return np.asarray(found)

@@ -121,6 +121,7 @@ ACCEPTED: dict[tuple[str, str], tuple[str, tuple[str, ...]]] = {
 TOO_LONG: dict[tuple[str, str, str], str] = {
     ("study.choose_mesh", "error", "tiny"): "meshes as fine as the error asks for, four of them",
     ("stretch", "max_edge", "None"): "the mesh of a whole budget of nodes",
+    ("stretch", "shapes", "bool"): "a search for other shapes, which tests/test_stretch.py makes",
 }
 # Answers that may be nan on purpose.
 NAN_MEANS: dict[str, str] = {

@@ -291,7 +291,7 @@ CALLS: dict[str, Callable[[], Call]] = {
     }),
     "Inverse.run": lambda: (
         kg.Inverse(drawn(), (("energy",), 1.0, 1.0), corrections=None, evaluations=2).run,
-        {"progress": False, "starts": 2, "seed": 1, "workers": 1, "pictures": folder() / "pictures"},
+        {"progress": False, "starts": 2, "seed": 1, "workers": 1},
     ),
     "LoadCase": lambda: (
         kg.LoadCase,
