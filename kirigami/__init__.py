@@ -22,7 +22,7 @@ _HOME = {
     "Material": "primitives.material",
     "Orthotropic": "primitives.material",
     "NeoHookean": "primitives.rubber",
-    "Laminate": "primitives.material",
+    "Laminate": "primitives.laminate",
     "Node": "primitives.node",
     "Model": "model.model",
     "Bar": "elements.bar",
@@ -185,7 +185,7 @@ if TYPE_CHECKING:
     from kirigami.primitives.kernel import Kernel as Kernel
     from kirigami.primitives.kernel import Tangent as Tangent
     from kirigami.primitives.kernel import displacement_of as displacement_of
-    from kirigami.primitives.material import Laminate as Laminate
+    from kirigami.primitives.laminate import Laminate as Laminate
     from kirigami.primitives.material import Material as Material
     from kirigami.primitives.material import Orthotropic as Orthotropic
     from kirigami.primitives.node import Node as Node

@@ -10,7 +10,7 @@ import pytest
 import shapely
 
 import kirigami as kg
-from kirigami.plot.deformed import Field
+from kirigami.plot.field import Field
 from kirigami.results.fields import energy_density, nodal_energy
 
 RUNGS = ("paper", "plate", "facet", "shell")

@@ -17,7 +17,8 @@ from kirigami.io.shell import Shell, checked_targets, shell_of
 from kirigami.model.model import Model
 from kirigami.primitives.checks import require_choice, require_path, require_whole
 from kirigami.primitives.kernel import Array
-from kirigami.primitives.material import Laminate, Material, Orthotropic, SheetMaterial
+from kirigami.primitives.laminate import Laminate
+from kirigami.primitives.material import Material, Orthotropic, SheetMaterial
 
 NODES_OF = {"S3": 3, "STRI3": 3, "S6": 6, "STRI65": 6}
 

@@ -13,7 +13,8 @@ from numpy.typing import ArrayLike, NDArray
 from kirigami.errors import ModelError
 from kirigami.files import library, whole_file
 from kirigami.plot import style
-from kirigami.plot.deformed import Field, Picture, chosen_view, color_bar, displaced, frame, suitable_axes
+from kirigami.plot.deformed import Picture, chosen_view, color_bar, displaced, frame, suitable_axes
+from kirigami.plot.field import Field
 from kirigami.primitives.checks import (
     require_callable,
     require_not_negative,

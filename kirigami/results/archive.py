@@ -17,7 +17,7 @@ from kirigami.elements.stiffness import Calibration, SheetConstants
 from kirigami.errors import AnalysisError
 from kirigami.files import whole_file
 from kirigami.primitives.checks import require_path
-from kirigami.primitives.material import from_words, to_words
+from kirigami.primitives.material_words import from_words, to_words
 from kirigami.results.drives import Drive
 from kirigami.results.results import Results
 from kirigami.results.step import Event, Step

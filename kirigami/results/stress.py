@@ -32,7 +32,8 @@ from kirigami.elements.stiffness import Calibration, SheetConstants
 from kirigami.errors import AnalysisError, ModelError
 from kirigami.post.shape import principal_values
 from kirigami.primitives.checks import require_choice, require_instance, require_positive, require_whole
-from kirigami.primitives.material import Laminate, SheetMaterial
+from kirigami.primitives.laminate import Laminate
+from kirigami.primitives.material import SheetMaterial
 from kirigami.results.sheet_state import SheetState, state_reader
 from kirigami.units import unit_for
 

@@ -11,7 +11,7 @@ from cli_sheets import DRAWINGS, PLATE, SHEET
 import kirigami as kg
 from kirigami import cli
 from kirigami.cli import export
-from kirigami.plot import deformed
+from kirigami.plot.field import LABELS
 
 
 def test_mesh_is_described_and_written(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -91,7 +91,7 @@ def test_info_draws_what_was_understood(
 
 def test_pictures_are_coloured_by_all_that_there_is() -> None:
     """Plastic strain was to be had in a script only."""
-    assert set(export.COLORS) == {*deformed.LABELS, "none"}
+    assert set(export.COLORS) == {*LABELS, "none"}
 
 
 def test_pictures_films_and_bodies_are_exported(

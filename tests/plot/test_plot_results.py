@@ -16,7 +16,8 @@ from plot_samples import frame_mesh, sheet_model
 
 import kirigami as kg
 from kirigami import plot
-from kirigami.plot import deformed, style
+from kirigami.plot import style
+from kirigami.plot.field import Field
 from kirigami.results.smooth import sectors, surface_stress
 
 
@@ -118,15 +119,15 @@ def test_stress_jumps_across_a_fold_and_is_a_mean_elsewhere() -> None:
 
 def test_energy_per_area_adds_up_to_the_energy(lifted: kg.Results) -> None:
     for number in range(len(lifted)):
-        density = deformed.Field(lifted, "energy").at(number)
+        density = Field(lifted, "energy").at(number)
         total = sum(part[number] for part in lifted.energy.values())
         assert (density * lifted.mesh.facet_areas).sum() == pytest.approx(total, rel=1e-12)
 
 
 def test_values_of_the_caller_as_colours(snapped: Any) -> None:
     res, *_ = snapped
-    assert_allclose(deformed.Field(res, [1.0, 3.0, 4.0]).at(0), [2.0, 3.5])  # three nodes: means over the two bars
-    assert_allclose(deformed.Field(res, [7.0, 8.0]).at(0), [7.0, 8.0])
+    assert_allclose(Field(res, [1.0, 3.0, 4.0]).at(0), [2.0, 3.5])  # three nodes: means over the two bars
+    assert_allclose(Field(res, [7.0, 8.0]).at(0), [7.0, 8.0])
 
 
 @pytest.mark.parametrize("view", [None, (0, 0), (90, -90), (12, 75), (-35, 200)])

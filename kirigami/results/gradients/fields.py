@@ -21,7 +21,8 @@ from kirigami.model.model import Model
 from kirigami.model.moved import moved
 from kirigami.model.natural_state import in_facets
 from kirigami.primitives.kernel import Array, Kernel
-from kirigami.primitives.material import Laminate, Material
+from kirigami.primitives.laminate import Laminate
+from kirigami.primitives.material import Material
 from kirigami.primitives.parts import Numbering
 from kirigami.primitives.sensitivity import member_work
 from kirigami.results.gradients.by_rest import by_rest_state
