@@ -233,7 +233,7 @@ def test_answer_is_walked_on_a_finer_mesh():
 
 
 def test_the_best_of_several_starts_counts():
-    start = design(edge=1.0)
+    start = design(edge=1.0, stiffness="plate")
     wanted = forces(start.at(inner=0.8), [1.0])
     problem = kg.Inverse(start, (FORCE, 1.0, wanted), corrections=None, evaluations=2)
     one, some = problem.run(), problem.run(starts=3, seed=1)

@@ -41,20 +41,23 @@ def test_demo_writes_its_files_and_says_the_numbers(
     assert "Animation" in said.err  # progress goes to the other stream, out of the way of a pipe
 
 
-def test_quiet_says_nothing(coarse: None, short: None, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_quiet_says_nothing(
+    coarse: None, short: None, plain: None, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     assert cli.main(["demo", "--folder", str(tmp_path), "--frames", "2", "-q"]) == 0
     said = capsys.readouterr()
     assert said.out == "" and "Animation" not in said.err and "Displacement" not in said.err
-    assert {path.name for path in tmp_path.iterdir()} >= FILES
+    assert {path.name for path in tmp_path.iterdir()} >= FILES - PICTURES | {"stretch.gif"}
 
 
 def test_demo_prints_numbers(
-    coarse: None, short: None, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    coarse: None, short: None, plain: None, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert cli.main(["demo", "--folder", str(tmp_path), "--frames", "2", "--json", "-q"]) == 0
     numbers = json.loads(capsys.readouterr().out)
     assert numbers["displacement"] == pytest.approx(0.0016) and numbers["strain"] == pytest.approx(0.0016 / 2.21)
     assert numbers["largest_force"] > 0 and numbers["folder"] == str(tmp_path)
+    assert not list(tmp_path.rglob("*.part*"))
 
 
 def test_a_folder_that_cannot_be_made_is_a_sentence(
@@ -68,8 +71,9 @@ def test_a_folder_that_cannot_be_made_is_a_sentence(
 
 
 def test_interruption_keeps_what_was_found(
-    coarse: None, short: None, monkeypatch: pytest.MonkeyPatch, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+    coarse: None, short: None, plain: None, monkeypatch: pytest.MonkeyPatch, tmp_path: Path,
+    capsys: pytest.CaptureFixture[str],
+) -> None:  # fmt: skip
     run = PathAnalysis.run
 
     def interrupted(analysis: PathAnalysis, progress: bool) -> kg.Results:

@@ -34,7 +34,7 @@ def test_stretch_does_the_whole_job(tmp_path: Path, capsys: pytest.CaptureFixtur
     assert not list(folder.rglob("*.part*"))
 
 
-def test_stretch_prints_numbers_alone(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_stretch_prints_numbers_alone(plain: None, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     words = ["stretch", PLATE, *SHEET, "--grip", "10mm", "--folder", str(tmp_path), "--json", "--quiet"]
     assert cli.main(words) == 0
     said = capsys.readouterr()
@@ -44,9 +44,10 @@ def test_stretch_prints_numbers_alone(tmp_path: Path, capsys: pytest.CaptureFixt
     assert numbers["free_length"] == pytest.approx(0.06) and numbers["displacement"] == pytest.approx(0.12e-3)
     # Stiffer than the uncut sheet it cannot be: E t W strain / (1 - nu^2), bars have nu = 1/3.
     assert 0 < numbers["largest_force"] < 3.5e9 * 1e-4 * 0.12 * 0.002 / (1 - 1 / 9)
+    assert not list(tmp_path.rglob("*.part*"))
 
 
-def test_doubts_are_notes_of_one_line(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_doubts_are_notes_of_one_line(plain: None, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     words = ["stretch", PLATE, *SHEET, "--E", "3.5kPa", "--thickness", "20mm", "--folder", str(tmp_path), "--quiet"]
     assert cli.main(words) == 0
     said = capsys.readouterr()
@@ -57,7 +58,7 @@ def test_doubts_are_notes_of_one_line(tmp_path: Path, capsys: pytest.CaptureFixt
 
 
 def test_a_path_that_ends_early_is_written_and_ends_with_1(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+    plain: None, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     run = PathAnalysis.run
 
@@ -142,7 +143,9 @@ def test_quantities_out_of_range_are_wrong_usage(words: list[str], capsys: pytes
     assert f"argument {words[0].partition('=')[0]}" in capsys.readouterr().err
 
 
-def test_metres_that_nobody_meant_are_taken_as_millimetres(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_metres_that_nobody_meant_are_taken_as_millimetres(
+    plain: None, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     """Libraries write metres into the head of a drawing: 80 m of 0.1 mm is no sheet, and 80 mm is meant."""
     drawing = str(DRAWINGS / "repaired" / "k13a_header_says_metres.dxf")
     words = ["stretch", drawing, "--thickness", "0.1mm", "--E", "3.5GPa", "--strain", "0.1%", "--accuracy", "draft"]
@@ -153,7 +156,7 @@ def test_metres_that_nobody_meant_are_taken_as_millimetres(tmp_path: Path, capsy
 
 
 def test_a_ligament_thinner_than_the_sheet_is_told_with_its_figure(
-    short: None, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    plain: None, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     """And the report is written all the same, with what it is worth."""
     drawing = tmp_path / "slit.svg"
