@@ -13,7 +13,6 @@ It takes about a minute.
 
 from __future__ import annotations
 
-import subprocess
 import sys
 from pathlib import Path
 
@@ -51,24 +50,16 @@ def ribbon() -> kg.Design:
 
 
 def main(folder: Path) -> kg.InverseResult:
-    """Find the lengths, write drawing, case and picture, and pull the drawing by the command line."""
+    """Find the lengths, write drawing, case and picture, and do the pull again, from the drawing alone."""
     start = ribbon()
     print("forces of the start [N]:", forces(start.walk(AT)).round(3))
     problem = kg.Inverse(start, (FORCE, AT, PLATEAU), evaluations=15, enough=0.02, path=folder / "ribbon.json")
     found = problem.run(progress=True)
     print(found.summary())
     print("forces of the answer on the finer mesh [N]:", np.round(found.reached, 3))
-    case = found.design.export(folder)
-    pulled = folder / "pulled"
-    subprocess.run(
-        [sys.executable, "-m", "kirigami.cli", "stretch", str(case), "--folder", str(pulled), "--quiet"], check=True
-    )
-    res = kg.load(pulled / "results.npz")
+    res = kg.study.Job.load(found.design.export(folder)).run().results
     again = forces(res)
-    figure = found.plot()
-    free = figure.add_subplot(2, 3, 6, projection="3d")
-    res.plot(ax=free, colorbar=False).set_title("pulled, from the drawing", fontsize=9)
-    figure.savefig(folder / "ribbon.png", dpi=120)
+    found.plot(res).savefig(folder / "ribbon.png", dpi=120)
     off = float(np.abs(again / PLATEAU - 1).max())
     print("pulled from the drawing [N]:", again.round(3))
     print(f"the run of the drawing is within {100 * off:.2g} % of it")

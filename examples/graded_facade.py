@@ -12,7 +12,6 @@ It takes about a minute.
 
 from __future__ import annotations
 
-import subprocess
 import sys
 from pathlib import Path
 
@@ -45,21 +44,13 @@ def panel() -> kg.Design:
 
 
 def main(folder: Path) -> kg.InverseResult:
-    """Find the lengths, write drawing, case and picture, and pull the drawing by the command line."""
+    """Find the lengths, write drawing, case and picture, and do the pull again, from the drawing alone."""
     targets = [(("open_area", [row]), 1.0, area, max(OPEN)) for row, area in enumerate(OPEN)]
     found = kg.Inverse(panel(), targets, evaluations=15, enough=5e-3, path=folder / "facade.json").run(progress=True)
     print(found.summary())
-    case = found.design.export(folder)
-    pulled = folder / "pulled"
-    subprocess.run(
-        [sys.executable, "-m", "kirigami.cli", "stretch", str(case), "--folder", str(pulled), "--quiet"], check=True
-    )
-    res = kg.load(pulled / "results.npz")
+    res = kg.study.Job.load(found.design.export(folder)).run().results
     reached = np.sort(res.open_area()[-1])  # a reader may order cuts anew
-    figure = found.plot()
-    free = figure.add_subplot(2, 3, 6, projection="3d")
-    res.plot(ax=free, colorbar=False).set_title("pulled, from the drawing", fontsize=9)
-    figure.savefig(folder / "facade.png", dpi=120)
+    found.plot(res).savefig(folder / "facade.png", dpi=120)
     off = float(np.abs(reached - OPEN).max() / max(OPEN))
     print("wanted [mm2]:", np.multiply(OPEN, 1e6), " pulled from the drawing [mm2]:", (1e6 * reached).round(1))
     print(f"the run of the drawing is within {100 * off:.2g} % of the largest opening")

@@ -13,7 +13,6 @@ It takes about a minute.
 
 from __future__ import annotations
 
-import subprocess
 import sys
 from pathlib import Path
 
@@ -54,21 +53,13 @@ def silhouette(res: kg.Results) -> np.ndarray:
 
 
 def main(folder: Path) -> kg.InverseResult:
-    """Find the lengths, write drawing, case and picture, and pull the drawing by the command line."""
+    """Find the lengths, write drawing, case and picture, and do the pull again, from the drawing alone."""
     targets = [(("point", (0.0, y), "x"), 1.0, inward, max(INWARD)) for y, inward in zip(AT, INWARD)]
     found = kg.Inverse(strip(), targets, evaluations=15, enough=5e-3, path=folder / "silhouette.json").run(True)
     print(found.summary())
-    case = found.design.export(folder)
-    pulled = folder / "pulled"
-    subprocess.run(
-        [sys.executable, "-m", "kirigami.cli", "stretch", str(case), "--folder", str(pulled), "--quiet"], check=True
-    )
-    res = kg.load(pulled / "results.npz")
+    res = kg.study.Job.load(found.design.export(folder)).run().results
     reached = silhouette(res)
-    figure = found.plot()
-    free = figure.add_subplot(2, 3, 6, projection="3d")
-    res.plot(ax=free, colorbar=False).set_title("pulled, from the drawing", fontsize=9)
-    figure.savefig(folder / "silhouette.png", dpi=120)
+    found.plot(res).savefig(folder / "silhouette.png", dpi=120)
     off = float(np.abs(reached - INWARD).max() / max(INWARD))
     print("wanted [mm]:", np.multiply(INWARD, 1e3), " pulled from the drawing [mm]:", (1e3 * reached).round(3))
     print(f"the run of the drawing is within {100 * off:.2g} % of the largest")

@@ -232,6 +232,20 @@ def test_answer_is_walked_on_a_finer_mesh():
     assert found.plot().axes
 
 
+def test_the_picture_shows_the_run_of_the_drawing():
+    start = design(edge=1.0)
+    one = [np.array([1.0])]
+    found = kg.InverseResult(
+        start.at(inner=0.9), start, {"inner": 0.9}, 0.0, 0.0, True, "met", "met", one, one, one, one, one, ["force"],
+        [{"values": {"inner": 0.9}, "error": 0.0}],
+    )  # fmt: skip
+    plain, more = found.plot(), found.plot(start.walk())
+    titles = [ax.get_title() for ax in more.axes]
+    assert titles[-1] == "run again, from the drawing" and titles[-1] not in [ax.get_title() for ax in plain.axes]
+    with pytest.raises(kg.ModelError, match=r"InverseResult\.plot: again must be a Results"):
+        found.plot(start)
+
+
 def test_the_best_of_several_starts_counts():
     start = design(edge=1.0, stiffness="plate")
     wanted = forces(start.at(inner=0.8), [1.0])

@@ -8,6 +8,8 @@ import numpy as np
 
 from kirigami.plot import style
 from kirigami.plot.undeformed import plot_sheet
+from kirigami.primitives.checks import require_instance
+from kirigami.results.results import Results
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -21,13 +23,16 @@ ABREAST = 3  # panels in a row, so that a page can hold them
 
 
 @style.styled
-def plot_result(result: InverseResult) -> Figure:
+def plot_result(result: InverseResult, again: Results | None = None) -> Figure:
     """Draw the answer of an inverse problem: each target, the sheet before and after, and the course of the search.
 
     Parameters
     ----------
     result : InverseResult
         The answer.
+    again : Results, optional
+        What the drawing of the answer does by itself, from ``Job.load(result.design.export(folder)).run().results``:
+        its last step gets a panel of its own.
 
     Returns
     -------
@@ -38,7 +43,9 @@ def plot_result(result: InverseResult) -> Figure:
     curves = [number for number, lam in enumerate(result.lam) if len(lam) > 1]
     points = [number for number, lam in enumerate(result.lam) if len(lam) == 1]
     shown = result.thicker is not None
-    panels = len(curves) + bool(points) + 3 + shown
+    if again is not None:
+        require_instance(again, Results, "again", "InverseResult.plot")
+    panels = len(curves) + bool(points) + 3 + shown + (again is not None)
     rows = -(-panels // ABREAST)
     columns = -(-panels // rows)
     figure = Figure(figsize=(3.4 * columns, 3.2 * rows), layout="constrained")
@@ -55,7 +62,11 @@ def plot_result(result: InverseResult) -> Figure:
         ax.set_title(title)
     if shown:
         _thicker(sheets[2], result)
-    _changes(axes[panels - 1], result)
+    _changes(axes[len(curves) + bool(points) + 2 + shown], result)
+    if again is not None:
+        axes[panels - 1].remove()
+        last = figure.add_subplot(rows, columns, panels, projection="3d" if again.dim == 3 else None)
+        again.plot(ax=last, colorbar=False).set_title("run again, from the drawing")
     return figure
 
 
