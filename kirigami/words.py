@@ -1,4 +1,4 @@
-"""Numbers of things in words."""
+"""Numbers in words: of things, and shares."""
 
 from __future__ import annotations
 
@@ -25,3 +25,22 @@ def counted(number: float, what: str, many: str | None = None, *, spec: str = ""
     """
     text = format(number, spec)
     return f"{text} {what if text == '1' else many or f'{what}s'}"
+
+
+def percent(share: float, digits: int = 2) -> str:
+    """A share in per cent, as people write it.
+
+    Parameters
+    ----------
+    share : float
+        1 is all.
+    digits : int
+        How many count.
+
+    Examples
+    --------
+    >>> from kirigami.words import percent
+    >>> percent(0.01234), percent(3.31)
+    ('1.2 %', '330 %')
+    """
+    return f"{float(f'{100 * share:.{digits}g}'):g} %"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -10,6 +11,7 @@ import shapely
 
 import kirigami as kg
 from kirigami.cli import main
+from kirigami.units import Scale
 
 SLIT = shapely.LineString([(0.3, 0.5), (0.7, 0.5)])
 SHEET = kg.Sheet(shapely.box(0, 0, 1, 1), [SLIT], thickness=0.01, material=kg.Material(E=1e6, nu=0.3))
@@ -54,6 +56,14 @@ def test_the_reference_is_the_limit_of_its_runs(study: kg.study.AccuracyStudy) -
 
 def test_failures_are_rows(study: kg.study.AccuracyStudy) -> None:
     assert len(study.table.failed) == 3 and "too coarse on purpose" in str(study)
+
+
+def test_edges_are_told_in_the_unit_of_the_sheet(study: kg.study.AccuracyStudy) -> None:
+    """In the table, in the name of the reference and in the advice; as plain numbers where no unit is known."""
+    told = replace(study, scale=Scale("mm"))
+    assert told.named.startswith("limit of shell, max_edge 200 mm, 154.9 mm, 120 mm (")
+    assert "| shell | 200 mm |" in str(told) and "| shell | 0.2 |" in str(study)
+    assert "mm, " in told.recommend(10.0) and "mm" not in study.recommend(10.0)
 
 
 def test_front_and_advice(study: kg.study.AccuracyStudy) -> None:

@@ -12,7 +12,7 @@ import pytest
 import kirigami as kg
 from kirigami.lattice.waves import BlochBuckling
 from kirigami.results.error import ErrorBar
-from kirigami.words import counted
+from kirigami.words import counted, percent
 
 ROOT = Path(kg.__file__).parent
 ELSEWHERE = {"linalg", "analysis/path"}
@@ -40,6 +40,10 @@ def test_one_of_a_thing_is_one_thing():
     assert counted(0, "cut") == "0 cuts" and counted(11, "cut") == "11 cuts" and counted(-2, "cut") == "-2 cuts"
     assert counted(1, "vertex", "vertices") == "1 vertex" and counted(2, "vertex", "vertices") == "2 vertices"
     assert counted(0.999999, "degree", spec=".3g") == "1 degree"  # as it is read, not as it is
+
+
+def test_shares_are_told_without_powers_of_ten():
+    assert [percent(share) for share in (0.0123, 0.5, 3.31, 1e-6, 0.0)] == ["1.2 %", "50 %", "330 %", "0.0001 %", "0 %"]
 
 
 def test_no_sentence_of_the_package_counts_by_itself():

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -70,7 +71,7 @@ def run(options: argparse.Namespace) -> int:
     say = speaker(options)
     if options.drawing is None:
         slit = shapely.LineString([(0.02, 0.1), (0.08, 0.1)])
-        drawing = Drawing(shapely.box(0, 0, 0.1, 0.2), (slit,))
+        drawing = Drawing(shapely.box(0, 0, 0.1, 0.2), (slit,), unit="m")
     else:
         drawing = read_drawing(options.drawing, **{**reading(options), "unit": "m"})
     sheet = drawing.sheet(options.thickness, kg.Material(E=options.E, nu=options.nu))
@@ -91,6 +92,7 @@ def run(options: argparse.Namespace) -> int:
         reference=options.reference,
         progress=not options.quiet,
     )
+    study = replace(study, scale=sheet.scale)
     with whole_file(options.folder / "study.md") as unfinished:
         unfinished.write_text(f"{study}\n", encoding="utf-8")
     with whole_file(options.folder / "study.png") as unfinished:

@@ -20,6 +20,7 @@ from kirigami.results.recovery import BENDING, MEMBRANE, Recovery
 from kirigami.results.results import Results
 from kirigami.results.scale import scale_of
 from kirigami.results.yielding import yield_words
+from kirigami.words import percent
 
 if TYPE_CHECKING:
     from kirigami.geometry.mesh import TriMesh
@@ -129,7 +130,7 @@ def _strain(results: Results, mesh: TriMesh) -> list[str]:
     if reached <= ELASTIC:
         return []
     return [
-        f"{100 * SHARE:g} % of the sheet is strained by more than {100 * reached:.2g} % at the last step: hardly any "
+        f"{100 * SHARE:g} % of the sheet is strained by more than {percent(reached)} at the last step: hardly any "
         "material is linear there, as this law is"
     ]
 

@@ -38,6 +38,7 @@ from kirigami.results.results import Results
 from kirigami.results.sheet_state import SheetState
 from kirigami.results.step import Step
 from kirigami.results.tangent import StoredTangent
+from kirigami.words import percent
 
 if TYPE_CHECKING:
     from kirigami.geometry.mesh import TriMesh
@@ -104,17 +105,13 @@ class ErrorBar(Mapping[str, Array]):
         for name in self:
             total = self[name]
             if len(total) and np.isfinite(total[-1]):
-                parts = f"mesh {_percent(self.mesh[name][-1])}, rung {_percent(self.rung[name][-1])}"
-                told.append(f"{name.replace('_', ' ')} {_percent(total[-1])} ({parts})")
+                parts = f"mesh {percent(self.mesh[name][-1])}, rung {percent(self.rung[name][-1])}"
+                told.append(f"{name.replace('_', ' ')} {percent(total[-1])} ({parts})")
         if not told:
             return "no error is estimated at the last step"
         return "estimated error at the last step: " + ", ".join(told)
 
     __repr__ = __str__
-
-
-def _percent(share: float) -> str:
-    return f"{float(f'{100 * share:.2g}'):g} %"  # two digits, and yet 200 and not 2e+02
 
 
 def estimated_error(results: Results) -> ErrorBar:

@@ -32,6 +32,8 @@ from kirigami.study.reference import QUANTITIES, Reference, limit_reference, rea
 from kirigami.study.shape.prints import print_distance, shape_print
 from kirigami.sweep.sweep import Sweep
 from kirigami.sweep.table import SweepTable
+from kirigami.units import UNKNOWN, Scale
+from kirigami.words import percent
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -58,6 +60,8 @@ class AccuracyStudy:
         Prints of the shape that a run must have to be compared at all.
     alike : float
         Relative distance of two shapes from which on they are different.
+    scale : Scale
+        In which edges of meshes are told; by default as plain numbers.
     """
 
     table: SweepTable
@@ -65,6 +69,7 @@ class AccuracyStudy:
     judge: Reference
     shapes: tuple[str, ...]
     alike: float = ALIKE
+    scale: Scale = UNKNOWN
 
     @property
     def reference(self) -> dict[str, Array]:
@@ -74,7 +79,7 @@ class AccuracyStudy:
     @property
     def named(self) -> str:
         """What the reference is, and its own error."""
-        return str(self.judge)
+        return self.judge.told(self.scale)
 
     def other_shape(self, row: Mapping[str, Any]) -> float | None:
         """The first load factor at which a run has another shape than the reference; None where it has the same."""
@@ -132,15 +137,23 @@ class AccuracyStudy:
         if not front:
             return f"{name}: no run reached the end in the shape of the reference, so none can be compared"
         if error < (own := self.judge.own_error(quantity)):
-            return f"{100 * error:g} % in {name}: cannot be told; the reference itself is known to {100 * own:.2g} %"
+            return f"{100 * error:g} % in {name}: cannot be told; the reference itself is known to {percent(own)}"
         for row in front:
             if self.error(row, quantity) <= error:
-                return f"{100 * error:g} % in {name}: {_told(row)} (error {100 * self.error(row, quantity):.2g} %)"
+                found = percent(self.error(row, quantity))
+                return f"{100 * error:g} % in {name}: {self._run(row)} (error {found})"
         last = front[-1]
         return (
-            f"{100 * error:g} % in {name}: not reached; the best is {_told(last)} "
-            f"with {100 * self.error(last, quantity):.2g} %, so a finer mesh is needed"
+            f"{100 * error:g} % in {name}: not reached; the best is {self._run(last)} "
+            f"with {percent(self.error(last, quantity))}, so a finer mesh is needed"
         )
+
+    def edge(self, row: Mapping[str, Any]) -> str:
+        """The longest edge of a run's mesh in words."""
+        return self.scale.show(float(row["max_edge"]), "length")
+
+    def _run(self, row: Mapping[str, Any]) -> str:
+        return f"{row['stiffness']}, max_edge {self.edge(row)}, {float(row['cpu_seconds']):.1f} s"
 
     def __str__(self) -> str:
         """A table to copy: every run, its cost and its largest errors in percent."""
@@ -151,7 +164,7 @@ class AccuracyStudy:
             "| --- | --- | --- | --- | --- | --- | --- | --- | --- |",
         ]
         for row in self.table:
-            head = f"| {row['stiffness']} | {float(row['max_edge']):g} | {float(row['tol']):g} | "
+            head = f"| {row['stiffness']} | {self.edge(row)} | {float(row['tol']):g} | "
             if row["status"] != "done":
                 lines.append(head + f"{row['status']}: {row.get('error') or ''} |||||")
                 continue
@@ -159,7 +172,7 @@ class AccuracyStudy:
                 lines.append(f"{head}{_cost(row)} | another shape at {lam:g} |||")
                 continue
             errors = " | ".join(
-                "-" if np.isnan(value) else f"{100 * value:.2g}"
+                "-" if np.isnan(value) else percent(value).removesuffix(" %")
                 for value in (self.error(row, quantity) for quantity in QUANTITIES)
             )
             lines.append(f"{head}{_cost(row)} | {errors} |")
@@ -295,15 +308,13 @@ def _shapes(row: Mapping[str, Any], targets: Sequence[float]) -> tuple[str, ...]
 def _limit(rows: Sequence[Mapping[str, Any]], targets: Sequence[float], alike: float) -> Reference:
     """The limit of the reference runs; nan where one of them failed."""
     sizes = [float(row["max_edge"]) for row in rows]
-    named = f"limit of {rows[-1]['stiffness']}, max_edge {', '.join(f'{size:.4g}' for size in sizes)}"
     runs = [{name: _row_values(row, name, targets) for name in QUANTITIES} for row in rows]
     shapes = [_shapes(row, targets) for row in rows]
     one_shape = all(
         print_distance(one, other) <= alike for found in shapes[:-1] for one, other in zip(found, shapes[-1])
     )
-    if not one_shape:
-        named += ", which end in different shapes"
-    return limit_reference(named, sizes, runs, one_shape)
+    remark = "" if one_shape else ", which end in different shapes"
+    return limit_reference(f"limit of {rows[-1]['stiffness']}", sizes, runs, one_shape, remark)
 
 
 def _row_values(row: Mapping[str, Any], quantity: str, load_factors: Sequence[float]) -> Array:
@@ -348,7 +359,3 @@ def _column(quantity: str, lam: float) -> str:
 
 def _cost(row: Mapping[str, Any]) -> str:
     return f"{int(row['nodes'])} | {float(row['cpu_seconds']):.1f} | {int(row['factorizations'])}"
-
-
-def _told(row: Mapping[str, Any]) -> str:
-    return f"{row['stiffness']}, max_edge {float(row['max_edge']):.3g}, {float(row['cpu_seconds']):.1f} s"

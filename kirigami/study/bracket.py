@@ -10,7 +10,7 @@ from kirigami.errors import ModelError
 from kirigami.primitives.checks import require_choice, require_items, require_positive, shown
 from kirigami.study.accuracy import ALIKE, Case
 from kirigami.study.mesh_choice import RATIO, MeshRun, run_case, shape_distance
-from kirigami.words import counted
+from kirigami.words import counted, percent
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,7 +58,7 @@ class Bracket:
             f"{100 * run.membrane_share:.0f} % of the energy in stretching, {run.seconds:.1f} s"
             for run in self.runs
         ]
-        width = f"+- {100 * self.half_width:.2g} %"
+        width = f"+- {percent(self.half_width)}"
         lines.append(f"{name} {self.value:.4g}, band {self.low:.4g} to {self.high:.4g} ({width})")
         first, second = self.runs[1].stiffness, self.runs[3].stiffness
         if not self.same_shape:

@@ -18,6 +18,7 @@ from kirigami.post.shape import check_flat
 from kirigami.primitives.checks import require_instance, require_positive, require_whole
 from kirigami.results.recovery import Recovery
 from kirigami.results.results import Results
+from kirigami.words import percent
 
 if TYPE_CHECKING:
     from kirigami.geometry.mesh import TriMesh
@@ -171,7 +172,7 @@ class ErrorEstimate:
         (x, y), *_ = self.worst(1)
         share = float(self.membrane.sum() / self.facets.sum()) if self.facets.sum() > 0 else 0.0
         return (
-            f"estimated error in the energy norm {100 * self.relative:.2g} % ({100 * share:.0f} % of its square in "
+            f"estimated error in the energy norm {percent(self.relative)} ({100 * share:.0f} % of its square in "
             f"stretching), largest at ({x:.4g}, {y:.4g})"
         )
 

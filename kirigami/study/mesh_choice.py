@@ -29,7 +29,7 @@ from kirigami.results.results import Results
 from kirigami.study.accuracy import ALIKE, Case, quantities
 from kirigami.study.convergence import limit_of
 from kirigami.study.reference import QUANTITIES
-from kirigami.words import counted
+from kirigami.words import counted, percent
 
 RATIO = 1.5  # of the edge lengths of the first two runs
 CLOSER = 1.25  # least refinement of the third run
@@ -127,7 +127,7 @@ class MeshChoice:
         last = self.runs[-1]
         lines = [
             f"max_edge {run.max_edge:.4g}: {counted(run.nodes, 'node')}, {name} {run.value:.5g}, "
-            f"estimated error {100 * error:.2g} %, {run.seconds:.1f} s"
+            f"estimated error {percent(error)}, {run.seconds:.1f} s"
             for run, error in zip(self.runs, self.errors)
         ]
         if np.isnan(self.order):
@@ -137,15 +137,15 @@ class MeshChoice:
             )
         else:
             lines.append(f"observed order {self.order:.2g}; {name} tends to {self.limit:.5g}")
-        lines.append(f"at max_edge {last.max_edge:.4g}: expected {100 * self.expected:.2g} %, got "
-                     f"{100 * self.errors[-1]:.2g} %")  # fmt: skip
+        lines.append(f"at max_edge {last.max_edge:.4g}: expected {percent(self.expected)}, got "
+                     f"{percent(self.errors[-1])}")  # fmt: skip
         if self.reached:
             chosen = self.run
             size = f"max_edge {chosen.max_edge:.4g} ({counted(chosen.nodes, 'node')})"
             lines.append(f"{100 * self.error:g} % in {name}: take {size}")
         else:
             lines.append(
-                f"{100 * self.error:g} % in {name}: not reached, the last run is within {100 * self.errors[-1]:.2g} %; "
+                f"{100 * self.error:g} % in {name}: not reached, the last run is within {percent(self.errors[-1])}; "
                 f"start again from max_edge {last.max_edge:.4g}"
             )
         return "\n".join(lines)

@@ -13,6 +13,8 @@ from kirigami.errors import ModelError
 from kirigami.primitives.checks import require_array, require_mapping, require_path
 from kirigami.primitives.kernel import Array
 from kirigami.study.convergence import limit_of
+from kirigami.units import UNKNOWN, Scale
+from kirigami.words import percent
 
 QUANTITIES = ("force", "open_area", "height")
 
@@ -31,12 +33,18 @@ class Reference:
         How far each value may be from the truth, as far as is known [same unit]; 0 where nothing is said.
     stated : bool
         Whether the errors are known at all.
+    sizes : tuple of float
+        Of a limit the longest edges of its meshes [length].
+    remark : str
+        What is to be said of them.
     """
 
     named: str
     values: dict[str, Array]
     errors: dict[str, Array] = field(default_factory=dict)
     stated: bool = True
+    sizes: tuple[float, ...] = ()
+    remark: str = ""
 
     def scale(self, quantity: str) -> Array:
         """What differences are divided by (k,): forces by themselves, areas and heights by their largest value."""
@@ -54,18 +62,24 @@ class Reference:
         return float(shares[np.isfinite(shares)].max(initial=0.0))
 
     def __str__(self) -> str:
+        return self.told(UNKNOWN)
+
+    def told(self, scale: Scale) -> str:
+        """What it is and its own error, in the units of a report."""
+        meshes = f", max_edge {', '.join(scale.show(size, 'length') for size in self.sizes)}" if self.sizes else ""
+        named = f"{self.named}{meshes}{self.remark}"
         if not self.stated:
-            return f"{self.named} (its own error is not stated)"
+            return f"{named} (its own error is not stated)"
         told = [
-            f"{100 * self.own_error(quantity):.2g} % in {quantity.replace('_', ' ')}"
+            f"{percent(self.own_error(quantity))} in {quantity.replace('_', ' ')}"
             for quantity in QUANTITIES
             if np.isfinite(self.values[quantity]).any()
         ]
-        return f"{self.named} (its own error: {', '.join(told)})" if told else f"{self.named} (it says nothing)"
+        return f"{named} (its own error: {', '.join(told)})" if told else f"{named} (it says nothing)"
 
 
 def limit_reference(
-    named: str, sizes: Sequence[float], runs: Sequence[Mapping[str, Array]], one_shape: bool = True
+    named: str, sizes: Sequence[float], runs: Sequence[Mapping[str, Array]], one_shape: bool = True, remark: str = ""
 ) -> Reference:
     """The limit of runs on finer and finer meshes, and what was added to the last of them as its error.
 
@@ -94,7 +108,7 @@ def limit_reference(
                 limit, distance = float(column[-1]), max(distance, float(np.ptp(column)))
             found.append((limit, distance))
         values[quantity], errors[quantity] = np.array(found).reshape(-1, 2).T
-    return Reference(named, values, errors)
+    return Reference(named, values, errors, sizes=tuple(sizes), remark=remark)
 
 
 def read_reference(

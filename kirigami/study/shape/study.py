@@ -18,7 +18,7 @@ from kirigami.results.step import Step
 from kirigami.study.shape.known import KnownShapes
 from kirigami.study.shape.links import Branch, Link
 from kirigami.study.shape.relaxation import Relaxed, Relaxer
-from kirigami.words import counted
+from kirigami.words import counted, percent
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -172,7 +172,7 @@ class ShapeStudy:
             lines = [f"shape: the one of least energy of {known}"]
         else:
             low = self.shapes[0].energy
-            share = f", {100 * (1 - low / shape.energy):.2g} % lower" if shape.energy > 0 < low else ""
+            share = f", {percent(1 - low / shape.energy)} lower" if shape.energy > 0 < low else ""
             lines = [f"shape: number {shape.number} of {known}; the lowest has an energy of {low:.6g}{share}"]
         low, high = self.forces
         if np.isfinite(low) and len(self) > 1:
