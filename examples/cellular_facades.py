@@ -186,7 +186,7 @@ def picture(found: dict[str, Stretched], path: str) -> None:
             area.plot(shell["strain"], shell["open_area"], label="2 x 5, shell elements", **marks)
             stress.plot(shell["strain"][1:], shell["force"][1:] / (WIDTH * THICKNESS) / 1e3, **marks)
         area.set(xlabel="strain", ylabel="open area [m$^2$]", xlim=(0, None), ylim=(0, None))
-        stress.set(xlabel="strain", ylabel="stress on the uncut section [kPa]", xlim=(0, None))
+        stress.set(xlabel="strain", ylabel="stress on the uncut section [kPa]", xlim=(0, None), ylim=(10, None))
         area.legend()
         figure.savefig(path, dpi=100)
 
