@@ -22,6 +22,7 @@ Floats = NDArray[np.float64]
 
 ARROW = 0.13  # length of the longest arrow, of the size of the picture
 MANY = 12  # of more nodes that move alike, one arrow stands for all
+BELOW = 30.0  # points from flat axes to their legend: numbers and a name lie between
 FLAT = 0.1  # a sheet lower than this part of its size is drawn from above
 
 
@@ -208,11 +209,14 @@ def plot_model(
         sketch.loads(model)
     sketch.frame(looking)
     if legend and sketch.labels:
-        # Below the picture: below the axes in the plane, at the foot of the figure in space.
-        where: dict[str, Any] = {"loc": "upper center", "bbox_to_anchor": (0.5, -0.12)}
-        if solid:
-            where = {"loc": "lower center", "bbox_to_anchor": (0.5, 0.0), "bbox_transform": ax.figure.transFigure}
-        ax.legend(**where, ncols=3, handlelength=1.5)
+        # In the plane below the name of the axis, whatever the height of the picture; in space at the figure's foot.
+        from matplotlib.transforms import offset_copy
+
+        below: Any = ax.figure.transFigure
+        if not solid:
+            below = offset_copy(ax.transAxes, ax.figure, y=-BELOW, units="points")
+        where = {"loc": "lower center" if solid else "upper center", "bbox_to_anchor": (0.5, 0.0)}
+        ax.legend(**where, bbox_transform=below, ncols=3, handlelength=1.5)
     return ax
 
 

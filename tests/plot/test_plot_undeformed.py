@@ -20,6 +20,17 @@ def test_model_with_supports_and_loads() -> None:
     assert bare.get_legend() is None
 
 
+@pytest.mark.parametrize("height", [0.1, 0.7, 1.0, 3.0])
+def test_a_legend_lies_below_the_name_of_the_axis(height: float) -> None:
+    """It was hung by a part of the picture's height, so that in a low one it lay on the axis."""
+    m = kg.Model(dim=2)
+    left, apex, right = m.add(kg.Node(-1, 0), kg.Node(0, height), kg.Node(1, 0))
+    m.add(kg.Bar(left, apex, EA=1.0), kg.Bar(apex, right, EA=1.0), kg.Fix([left, right]))
+    ax = m.plot()
+    ax.figure.canvas.draw()
+    assert ax.get_legend().get_window_extent().y1 <= ax.xaxis.label.get_window_extent().y0
+
+
 def test_loads_spread_over_a_sheet_are_drawn_in_its_middle() -> None:
     m = kg.Model.from_mesh(frame_mesh(), thickness=0.1, material=kg.Material(E=1e6, density=1.0))
     m.add(kg.Gravity((0, -9.81, 0)), kg.AreaLoad((1.0, 0, 0), facets=[0, 1]))
