@@ -198,9 +198,6 @@ def draw(
     for column, shape in enumerate(list(paths)[:3]):
         ax = figure.add_axes((column / 3, 0.46, 1 / 3, 0.5), projection="3d")
         paths[shape].plot(ax=ax, view=(-30, -68), colorbar=False)
-        sizes = [np.ptp(limits) for limits in (ax.get_xlim(), ax.get_ylim(), ax.get_zlim())]
-        ax.set_box_aspect(sizes, zoom=1.45)
-        ax.set_axis_off()
         ax.set_title(f"{shape}, strain {STRAIN:.0%}, from below", y=0.97)
     out, fin, ratio, ground = (figure.add_axes((left, 0.1, 0.155, 0.34)) for left in (0.045, 0.335, 0.585, 0.835))
     tenths = np.linspace(0, PUSH, 11)

@@ -92,8 +92,6 @@ def draw(found: dict[float, tuple[Drag, Drag]]) -> None:
     frictions = list(found)
     ax = figure.add_axes((-0.03, -0.2, 0.53, 1.4), projection="3d")
     found[frictions[-1]][0].results.plot(ax=ax, view=(-24, -62), colorbar=False)
-    ax.set_box_aspect([np.ptp(limits) for limits in (ax.get_xlim(), ax.get_ylim(), ax.get_zlim())], zoom=1.12)
-    ax.set_axis_off()
     ax.set_title("from below the floor", y=0.82)
     over, ratio = figure.add_axes((0.52, 0.15, 0.2, 0.75)), figure.add_axes((0.78, 0.15, 0.2, 0.75))
     for number, (friction, (ahead, behind)) in enumerate(found.items()):
