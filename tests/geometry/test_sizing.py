@@ -61,7 +61,7 @@ def test_a_band_between_two_slits_has_four_rows_of_facets():
 
 
 @pytest.mark.parametrize("name", SHEETS)
-@pytest.mark.parametrize("nodes", [2500, 6000])
+@pytest.mark.parametrize("nodes", [1500, 3000])
 def test_the_budget_is_kept_and_told(name, nodes):
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", kg.KirigamiWarning)

@@ -1,8 +1,6 @@
-"""Examples and the tutorial of the in-plane part run, and give the number they are about."""
+"""Examples of the in-plane part run, and give the number they are about."""
 
 from __future__ import annotations
-
-from pathlib import Path
 
 import pytest
 from lattices import script
@@ -20,8 +18,3 @@ def test_polarised_lattice() -> None:
 
 def test_rotating_squares() -> None:
     assert script("examples", "rotating_squares").main() < 1e-3
-
-
-def test_tutorial(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.chdir(tmp_path)
-    assert script("tutorials", "12_in_plane_mechanisms").contrast == pytest.approx(22, rel=0.05)

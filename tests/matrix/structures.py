@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import cache
+from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any
 
 import numpy as np
@@ -291,6 +293,13 @@ def from_the_ground(run: kg.Results, number: int) -> np.ndarray:
 def results(structure: str, change: str = "") -> kg.Results:
     """Pulled to load factor 1 in steps that every statement of the problem takes alike."""
     return _results(structure, change)
+
+
+@cache
+def loaded(structure: str) -> kg.Results:
+    """The same, written to a file and read again."""
+    with TemporaryDirectory() as folder:
+        return kg.load(results(structure).save(Path(folder) / "run"))
 
 
 @cache
