@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterable
-from dataclasses import dataclass
 
 from kirigami.errors import ModelError
 from kirigami.primitives.checks import require_choice, require_finite, require_not_negative
@@ -33,16 +31,6 @@ STEPS = {  # units, their sizes, and from where on they are used
     "torque": (("N m", 1.0, 1.0), ("N mm", 1e-3, 1e-4), ("uN m", 1e-6, 0.0)),
     "energy": (("J", 1.0, 1.0), ("mJ", 1e-3, 1e-4), ("uJ", 1e-6, 0.0)),
     "energy per area": (("J/m2", 1.0, 0.1), ("mJ/m2", 1e-3, 0.0)),
-}
-SCALES: dict[str, dict[str, tuple[str, float]]] = {  # units of a page, and their sizes, by that of its lengths
-    "": {},
-    **{
-        unit: {
-            "length": (unit, size), "area": (f"{unit}2", size**2), "torque": (f"N {unit}", size), "force": ("N", 1.0),
-            "energy": ("J", 1.0),
-        }
-        for unit, size in (("m", 1.0), ("mm", 1e-3), ("um", 1e-6))
-    },
 }
 _QUANTITY = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*(.*?)\s*")
 
@@ -163,55 +151,6 @@ def unit_for(value: float, kind: str) -> tuple[str, float]:
     value = abs(require_finite(value, "value", "units.unit_for"))
     steps = STEPS[require_choice(kind, STEPS, "kind", "units.unit_for")]
     return next((unit, factor) for unit, factor, least in steps if value >= least)
-
-
-@dataclass(frozen=True)
-class Scale:
-    """The units of one page, picture or report: one of length, and of areas and torques what belongs to it.
-
-    Parameters
-    ----------
-    length : {"m", "mm", "um", ""}
-        The unit of length; "" where no units are known: then numbers stand alone.
-
-    Examples
-    --------
-    >>> from kirigami.units import Scale
-    >>> scale = Scale.of(0.2)  # of a sheet of 200 mm
-    >>> scale.show(5e-6, "length"), scale.show(0.0016, "area"), scale.title("torque", "torque")
-    ('0.005 mm', '1600 mm2', 'torque [N mm]')
-    >>> Scale().show(5e-6, "length"), Scale().title("torque", "torque")
-    ('5e-06', 'torque')
-    """
-
-    length: str = ""
-
-    @classmethod
-    def of(cls, size: float) -> Scale:
-        """The scale of what has a largest side [m]."""
-        return cls(unit_for(size, "length")[0])
-
-    def unit(self, kind: str) -> tuple[str, float]:
-        """The unit of a "length", "area", "torque", "force" or "energy", and its size in SI units."""
-        return SCALES[self.length].get(kind, ("", 1.0))
-
-    def show(self, value: float, kind: str, digits: int = 4) -> str:
-        """A quantity in SI units as a person would write it."""
-        unit, factor = self.unit(kind)
-        return f"{value / factor:.{digits}g} {unit}".rstrip()
-
-    def place(self, point: Iterable[float], digits: int = 4) -> str:
-        """A point in words: "(12.5, 3) mm"."""
-        unit, factor = self.unit("length")
-        return f"({', '.join(f'{value / factor:.{digits}g}' for value in point)}) {unit}".rstrip()
-
-    def title(self, what: str, kind: str) -> str:
-        """Words for a quantity, with its unit behind them where one is known."""
-        unit = self.unit(kind)[0]
-        return f"{what} [{unit}]" if unit else what
-
-
-UNKNOWN = Scale()
 
 
 def doubts(*, thickness: float, size: float, E: float, strain: float) -> list[str]:

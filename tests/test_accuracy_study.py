@@ -11,7 +11,7 @@ import shapely
 
 import kirigami as kg
 from kirigami.cli import main
-from kirigami.units import Scale
+from kirigami.scale import Scale
 
 SLIT = shapely.LineString([(0.3, 0.5), (0.7, 0.5)])
 SHEET = kg.Sheet(shapely.box(0, 0, 1, 1), [SLIT], thickness=0.01, material=kg.Material(E=1e6, nu=0.3))

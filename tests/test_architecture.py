@@ -17,7 +17,7 @@ FLOORS = [
     {"errors", "progress", "version", "moved"},
     {"primitives"},
     {"files", "units"},
-    {"linalg", "sweep", "deferred"},
+    {"linalg", "sweep", "deferred", "scale"},
     {"geometry"},
     {"elements", "post", "drawing"},
     {"model", "effects"},

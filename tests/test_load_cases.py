@@ -11,10 +11,10 @@ import pytest
 import shapely
 
 import kirigami as kg
+from kirigami.scale import Scale
 from kirigami.study.job import read_case
 from kirigami.study.measured import compare, read_measured
 from kirigami.study.setting import set_up
-from kirigami.units import Scale
 
 PAPER = kg.Material(E=3e9, nu=0.3)
 DRAFT: dict[str, Any] = {"accuracy": "draft", "amplitude": 0.0, "max_edge": 0.02}

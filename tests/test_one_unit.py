@@ -11,8 +11,8 @@ import kirigami as kg
 from kirigami import plot
 from kirigami.drawing.drawing import Drawing
 from kirigami.io.html import _contents, titled_curves
+from kirigami.scale import Scale
 from kirigami.study.report_picture import pictures
-from kirigami.units import Scale
 
 LENGTH = re.compile(r"(?<![A-Za-z/])(um|mm|cm|m)(?:2|²|\$\^2\$)?(?![A-Za-z/\d$²^])")  # also that of areas and moments
 SIZES = {2.0: "m", 0.2: "mm"}

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from kirigami.cli.options import add_command, add_reading, print_json, quantity, reading, speaker
+from kirigami.scale import Scale
 from kirigami.words import counted
 
 DESCRIPTION = """\
@@ -37,7 +38,6 @@ def add(commands: Any) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Mesh a drawing."""
-    from kirigami import units
     from kirigami.io.convert import mesh_drawing
 
     mesh = mesh_drawing(options.drawing, options.max_edge, options.output, **reading(options))
@@ -52,7 +52,7 @@ def run(options: argparse.Namespace) -> int:
         "smallest_angle": float(mesh.min_angle),
         "output": options.output,
     }
-    scale = units.Scale.of(mesh.size)
+    scale = Scale.of(mesh.size)
     shortest, longest = (scale.show(numbers[name], "length") for name in ("shortest_edge", "longest_edge"))
     say(f"nodes {numbers['nodes']}, facets {numbers['facets']}, cuts {numbers['cuts']}")
     say(f"edges {shortest} to {longest}, smallest angle {counted(numbers['smallest_angle'], 'degree', spec='.3g')}")

@@ -29,7 +29,8 @@ from kirigami.primitives.checks import (
     require_whole,
     shown,
 )
-from kirigami.units import Scale, metres_per, parse
+from kirigami.scale import Scale
+from kirigami.units import metres_per, parse
 from kirigami.words import counted
 
 if TYPE_CHECKING:

@@ -34,7 +34,7 @@ from kirigami.primitives.checks import (
     require_whole,
 )
 from kirigami.primitives.material import SheetMaterial
-from kirigami.units import Scale
+from kirigami.scale import Scale
 from kirigami.words import counted
 
 CUT_FRACTION = 0.4  # default edge length along cuts, as a fraction of max_edge

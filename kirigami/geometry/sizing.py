@@ -21,7 +21,7 @@ from kirigami.geometry.ligaments import Ligaments, find_ligaments
 from kirigami.geometry.refine import EQUILATERAL, triangulate_drawing
 from kirigami.geometry.triangulate import Triangulation
 from kirigami.geometry.unzip import unzip
-from kirigami.units import UNKNOWN, Scale
+from kirigami.scale import UNKNOWN, Scale
 from kirigami.words import counted
 
 Integers = NDArray[np.int64]

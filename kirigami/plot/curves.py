@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from kirigami.primitives.node import Node
     from kirigami.results.drives import Drive
     from kirigami.results.results import Results
-    from kirigami.units import Scale
+    from kirigami.scale import Scale
 
 Floats = NDArray[np.float64]
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from kirigami.plot import style
 from kirigami.plot.undeformed import draw_paper, flat_axes
-from kirigami.units import Scale
+from kirigami.scale import Scale
 
 if TYPE_CHECKING:
     from kirigami.drawing.drawing import Drawing

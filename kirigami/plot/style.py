@@ -20,7 +20,7 @@ from kirigami.primitives.checks import (
     require_text,
     shown,
 )
-from kirigami.units import Scale
+from kirigami.scale import Scale
 
 INK = "#333333"
 GREY = "#9aa0a6"

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from kirigami.primitives.kernel import Array
-from kirigami.units import Scale
+from kirigami.scale import Scale
 from kirigami.words import counted
 
 if TYPE_CHECKING:

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from kirigami.units import Scale
+from kirigami.scale import Scale
 
 if TYPE_CHECKING:
     from kirigami.results.results import Results

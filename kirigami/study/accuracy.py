@@ -28,11 +28,11 @@ from kirigami.primitives.checks import (
 from kirigami.primitives.kernel import Array
 from kirigami.primitives.node import Node
 from kirigami.results.results import Results
+from kirigami.scale import UNKNOWN, Scale
 from kirigami.study.reference import QUANTITIES, Reference, limit_reference, read_reference
 from kirigami.study.shape.prints import print_distance, shape_print
 from kirigami.sweep.sweep import Sweep
 from kirigami.sweep.table import SweepTable
-from kirigami.units import UNKNOWN, Scale
 from kirigami.words import percent
 
 if TYPE_CHECKING:
@@ -148,12 +148,8 @@ class AccuracyStudy:
             f"with {percent(self.error(last, quantity))}, so a finer mesh is needed"
         )
 
-    def edge(self, row: Mapping[str, Any]) -> str:
-        """The longest edge of a run's mesh in words."""
-        return self.scale.show(float(row["max_edge"]), "length")
-
     def _run(self, row: Mapping[str, Any]) -> str:
-        return f"{row['stiffness']}, max_edge {self.edge(row)}, {float(row['cpu_seconds']):.1f} s"
+        return f"{row['stiffness']}, max_edge {edge_of(row, self.scale)}, {float(row['cpu_seconds']):.1f} s"
 
     def __str__(self) -> str:
         """A table to copy: every run, its cost and its largest errors in percent."""
@@ -164,7 +160,7 @@ class AccuracyStudy:
             "| --- | --- | --- | --- | --- | --- | --- | --- | --- |",
         ]
         for row in self.table:
-            head = f"| {row['stiffness']} | {self.edge(row)} | {float(row['tol']):g} | "
+            head = f"| {row['stiffness']} | {edge_of(row, self.scale)} | {float(row['tol']):g} | "
             if row["status"] != "done":
                 lines.append(head + f"{row['status']}: {row.get('error') or ''} |||||")
                 continue
@@ -194,6 +190,11 @@ class AccuracyStudy:
                 require_choice(quantity, QUANTITIES, name, "AccuracyStudy.plot")
                 require_array(point, (2,), name=f"{quantity} of {name}", owner="AccuracyStudy.plot")
         return draw_accuracy(self, given)
+
+
+def edge_of(row: Mapping[str, Any], scale: Scale) -> str:
+    """The longest edge of a run's mesh in words."""
+    return scale.show(float(row["max_edge"]), "length")
 
 
 def accuracy(

@@ -34,6 +34,7 @@ def draw_accuracy(study: AccuracyStudy, others: Mapping[str, Mapping[str, tuple[
         def __call__(self, x: float, pos: int | None = None) -> str:
             return f"{x:g}" if super().__call__(x, pos) else ""
 
+    from kirigami.study.accuracy import edge_of
     from kirigami.study.reference import QUANTITIES
 
     shown = [name for name in QUANTITIES if np.isfinite(study.reference[name]).any()] or ["force"]
@@ -70,9 +71,9 @@ def draw_accuracy(study: AccuracyStudy, others: Mapping[str, Mapping[str, tuple[
     axes[0].set_ylabel("largest error [%]")
     if axes[-1].get_legend_handles_labels()[0]:
         axes[-1].legend(fontsize=7)
-    failed = [f"{row['stiffness']} {study.edge(row)}" for row in study.table if row["status"] == "failed"]
+    failed = [f"{row['stiffness']} {edge_of(row, study.scale)}" for row in study.table if row["status"] == "failed"]
     others_shaped = [
-        f"{row['stiffness']} {study.edge(row)}" for row in study.table if study.other_shape(row) is not None
+        f"{row['stiffness']} {edge_of(row, study.scale)}" for row in study.table if study.other_shape(row) is not None
     ]
     lists = {"failed": failed, "another shape": others_shaped}
     told = [f"{what}: {', '.join(runs)}" for what, runs in lists.items() if runs]

@@ -15,7 +15,7 @@ from kirigami import units
 from kirigami.errors import GeometryError, ModelError
 from kirigami.primitives.checks import require_path
 from kirigami.primitives.kernel import Array
-from kirigami.units import Scale
+from kirigami.scale import Scale
 from kirigami.words import counted
 
 if TYPE_CHECKING:
@@ -75,16 +75,6 @@ class Comparison:
     share: float
     beyond: int
 
-    def words(self, scale: Scale) -> str:
-        """How far they lie apart, in the units of a report."""
-        left = f", {self.beyond} beyond what was computed left out" if self.beyond else ""
-        return (
-            f"measured curve {self.measured.name}: RMS difference "
-            f"{scale.show(self.rms, 'torque' if self.measured.kind == 'angle' else 'force')}, "
-            f"{100 * self.share:.3g} % of the measured force, over "
-            f"{counted(len(self.motion) - self.beyond, 'point')}{left}"
-        )
-
     @property
     def numbers(self) -> dict[str, Any]:
         """For the report."""
@@ -94,7 +84,18 @@ class Comparison:
         }  # fmt: skip
 
     def __str__(self) -> str:
-        return self.words(Scale("m"))
+        return difference_in_words(self, Scale("m"))
+
+
+def difference_in_words(found: Comparison, scale: Scale) -> str:
+    """How far a measured curve lies from the computed one, in the units of a report."""
+    left = f", {found.beyond} beyond what was computed left out" if found.beyond else ""
+    return (
+        f"measured curve {found.measured.name}: RMS difference "
+        f"{scale.show(found.rms, 'torque' if found.measured.kind == 'angle' else 'force')}, "
+        f"{100 * found.share:.3g} % of the measured force, over "
+        f"{counted(len(found.motion) - found.beyond, 'point')}{left}"
+    )
 
 
 def read_measured(path: str | os.PathLike[str]) -> Measured:

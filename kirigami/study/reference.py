@@ -12,8 +12,8 @@ import numpy as np
 from kirigami.errors import ModelError
 from kirigami.primitives.checks import require_array, require_mapping, require_path
 from kirigami.primitives.kernel import Array
+from kirigami.scale import UNKNOWN, Scale
 from kirigami.study.convergence import limit_of
-from kirigami.units import UNKNOWN, Scale
 from kirigami.words import percent
 
 QUANTITIES = ("force", "open_area", "height")

@@ -25,7 +25,7 @@ from kirigami.results.results import Results
 from kirigami.results.scale import scale_of
 from kirigami.results.smooth import known_stress, sectors
 from kirigami.study.job import Job
-from kirigami.study.measured import Comparison
+from kirigami.study.measured import Comparison, difference_in_words
 from kirigami.words import counted
 
 
@@ -159,7 +159,7 @@ class Report:
             *(self._further(other) for other in self.results.drives[1:]),
             material,
             f"height {scale.show(n['height'], 'length')}, open area {scale.show(n['open_area'], 'area')}",
-            *([self.measured.words(scale)] if self.measured is not None else []),
+            *([difference_in_words(self.measured, scale)] if self.measured is not None else []),
             *self.worth,
             (
                 f"{counted(n['steps'], 'step')}, {n['stable_steps']} stable, largest residual "

@@ -19,6 +19,7 @@ from kirigami.errors import ConvergenceError, KirigamiWarning, ModelError
 from kirigami.primitives.checks import require_positive
 from kirigami.primitives.material import Material
 from kirigami.results.step import Event
+from kirigami.scale import Scale
 from kirigami.study.job import OF_REGIONS, Job
 from kirigami.study.load_case import STRAIN, LoadCase
 from kirigami.study.report import Report
@@ -164,7 +165,7 @@ def run_job(job: Job, progress: bool, say: Callable[[str], None]) -> Report:
     if case.weight and case.moves:
         note(f"under its own weight from the start, g = {case.weight:g} m/s2")
     back = " and back" if case.cycle else ""
-    scale = units.Scale.of(max(_size(sheet.bounds)))
+    scale = Scale.of(max(_size(sheet.bounds)))
     for drive in setting.drives:
         whole = drive.says(1.0, scale)
         if grips is not None and drive.kind == "ratio":

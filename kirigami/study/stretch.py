@@ -29,11 +29,11 @@ from kirigami.primitives.material import SheetMaterial, uniaxial_stiffness
 from kirigami.primitives.node import Node
 from kirigami.results.drives import Drive
 from kirigami.results.results import Results
+from kirigami.scale import Scale
 from kirigami.study.folding import fold
 from kirigami.study.grips import find_grips
 from kirigami.study.load_case import STRAIN, LoadCase
 from kirigami.study.setting import set_up
-from kirigami.units import Scale
 from kirigami.words import counted
 
 
