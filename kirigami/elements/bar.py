@@ -221,7 +221,7 @@ class BarKernel(NaturalKernel):
     @property
     def sheet_part(self) -> str:  # type: ignore[override]
         """A bar of a sheet is measured and answers as from_mesh makes it."""
-        return "bars" if (self.strain, self.law, self.drive) == ("green", "linear", None) else ""
+        return "bars" if self.drive is None and (self.strain, self.law) == ("green", "linear") else ""
 
     def arrays(self) -> dict[str, Any]:
         own = {name: getattr(self, name) for name in ("conn", "EA", "rest_length", "strain", "law", "members")}
