@@ -177,7 +177,7 @@ def picture(found: dict[str, Pulled], path: str) -> None:
     with matplotlib.rc_context(SETTINGS):
         figure = pyplot.figure(figsize=(10.5, 6.6))
         for number, (name, one) in enumerate(found.items()):
-            ax = figure.add_axes([0.5 * number - 0.05, 0.29, 0.6, 0.75], projection="3d")
+            ax = figure.add_axes([0.5 * number - 0.05, 0.29, 0.6, 0.70], projection="3d")
             one.results.plot(ax=ax, view=(48, -74), colorbar=False)
             figure.text(
                 0.5 * number + 0.25, 0.965, f"{name}, strain {one.strain[-1]:g}", color=colors[name], ha="center"
