@@ -87,8 +87,7 @@ class Eigen(Analysis):
         massive = int(np.count_nonzero(mass.diagonal()))
         if self.n > massive:
             raise ModelError(
-                f"Eigen: {counted(self.n, 'mode')} asked for, but only {counted(massive, 'unknown')} of the model have "
-                "mass"
+                f"Eigen: {counted(self.n, 'mode')} asked for, but only {counted(massive, 'unknown')} with mass"
             )
         with system.clock("eigenpairs"):
             rigid = rigid_unknowns(system, u, matrix)
