@@ -15,6 +15,7 @@ import shapely
 
 import kirigami as kg
 from kirigami.elements.surface import SurfaceKernel, surfaces_of
+from kirigami.results.moments import _rows_behind
 
 ROOT = Path(kg.__file__).parent
 KERNELS = {  # by rung: the kernel, and where it is made
@@ -87,9 +88,12 @@ def test_facets_that_do_not_tell_are_refused_by_name():
 def test_rows_behind_nodes_must_be_accounted_for_in_moments():
     """An element with rows of its own that says nothing of them would leave their forces out."""
     beam = type("Beam", (kg.Kernel,), {"name": "beams", "conn": np.array([[0, 1, 2, 3]])})()
-    with pytest.raises(kg.ModelError, match="'beams' does not say which of its rows"):
-        beam.rows_behind(np.array([True, False]))
-    assert not len(beam.rows_behind(np.ones(4, dtype=bool)))  # four nodes: no rows behind them
+    with pytest.raises(kg.ModelError, match="which of the rows of 'beams' .*: define rows_behind of Beam"):
+        _rows_behind([beam], np.array([True, False]))
+    assert not _rows_behind([beam], np.ones(4, dtype=bool))  # four nodes: no rows behind them
+    beam.rows_behind = lambda inside: np.array([2, 3]) if inside[0] else np.zeros(0, dtype=int)
+    ((found, rows),) = _rows_behind([beam, beam], np.array([True, False]))  # each row once
+    assert found is beam and rows.tolist() == [2, 3] and not _rows_behind([beam], np.array([False, True]))
 
 
 def asked_for_their_class():

@@ -202,9 +202,6 @@ class CreaseKernel(Kernel):
         """Angle without moment (n,) at a load factor."""
         return self.rest_angle if self.drive is None else self.rest_angle + lam * self.drive
 
-    def rows_behind(self, inside: NDArray[np.bool_]) -> NDArray[np.int64]:
-        return np.zeros(0, dtype=np.int64)  # its rows are those of the facets beside it, which say
-
     def _angles(self, x: Array) -> Array:
         """Angles (n, 2) of the folds at their Gauss points."""
         stored = np.asarray(x)[self.conn, :2]

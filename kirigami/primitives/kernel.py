@@ -313,9 +313,7 @@ class Kernel:
 
     def rows_behind(self, inside: NDArray[np.bool_]) -> NDArray[np.int64]:
         """Rows behind the nodes (see :class:`kirigami.Numbering`) that what holds the nodes `inside` (n,) holds as
-        well, so that the forces on them are part of its moment. Elements with such rows must say."""
-        if self.stores_energy and self.conn.size and int(self.conn.max()) >= len(inside):
-            raise ModelError(f"moment: {self.name!r} does not say which of its rows supports hold: define rows_behind")
+        well, so that the forces on them are part of its moment. One kernel must say so of every row."""
         return np.zeros(0, dtype=np.int64)
 
     # ---- members that come and go

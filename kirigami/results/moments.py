@@ -76,6 +76,14 @@ def moment(results: Results, nodes: Nodes, about: Sequence[float] | Array | None
 def _rows_behind(kernels: Sequence[Kernel], inside: NDArray[np.bool_]) -> list[tuple[Kernel, NDArray[np.int64]]]:
     """Rows behind the nodes that are held with them, each with one kernel that knows how it turns: the forces on an
     edge between two kinds of facets are those of both."""
+    every = [kernel.rows_behind(np.ones_like(inside)) for kernel in kernels]
+    for kernel in kernels:
+        behind = kernel.conn[kernel.conn >= len(inside)] if kernel.stores_energy else kernel.conn[:0]
+        if not np.isin(behind, np.concatenate(every)).all():
+            raise ModelError(
+                f"moment: no kernel says which of the rows of {kernel.name!r} behind the nodes are held with them: "
+                f"define rows_behind of {type(kernel).__name__}"
+            )
     found, known = [], np.zeros(0, dtype=np.int64)
     for kernel in kernels:
         rows = np.setdiff1d(kernel.rows_behind(inside), known)
