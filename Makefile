@@ -2,8 +2,9 @@
 PYTHON ?= python3
 VENV ?= .venv
 BIN = $(VENV)/bin
-# One thread each: the suite runs in two processes, and the default solver is sequential.
-THREADS = OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1
+# One thread each: the suite runs in two processes, and the default solver is sequential. Commands that tests start find
+# the package compiled, which an environment may have switched off.
+THREADS = OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 PYTHONDONTWRITEBYTECODE=
 
 .PHONY: demo gallery test validate random-sheets crossings external packaging notebooks docs lint clean
 
@@ -14,8 +15,9 @@ demo: $(VENV)/ready
 gallery: $(VENV)/installed
 	$(BIN)/python tools/gallery.py gallery
 
+# Neighbours stay in one process, where they share what fixtures made, until one of the two has nothing left to do.
 test: $(VENV)/installed
-	$(THREADS) MPLBACKEND=Agg $(BIN)/python -m pytest -n 2 -m "not long and not external"
+	$(THREADS) MPLBACKEND=Agg $(BIN)/python -m pytest -n 2 --dist worksteal -m "not long and not external"
 
 # The long validations: the published sheets in full, and everything that takes more than seconds.
 validate: $(VENV)/installed

@@ -112,7 +112,7 @@ def rolled(pattern, across, along, thickness, angle, nu=0.0):
 @pytest.mark.parametrize("pattern", PATTERNS)
 def test_bending_to_a_cylinder_does_not_lock(pattern, slenderness):
     """Energy under a given end moment is that of the arc, whatever the thickness, at 0.2 rad a facet."""
-    energy, end, _ = rolled(pattern, 4, 8, 0.25 * slenderness, 8 * 0.2)
+    energy, end, _ = rolled(pattern, 3, 8, 0.25 * slenderness, 8 * 0.2)
     # At t k = 0.2 thick-shell terms of (t k)^2 / 4, which the strain of the middle surface takes up, are seen.
     assert energy == pytest.approx(1, abs=0.02 if slenderness == 1.0 else 1e-3)
     assert end[[0, 2]] == pytest.approx([np.sin(1.6) / 1.6, (1 - np.cos(1.6)) / 1.6],

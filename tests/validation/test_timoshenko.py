@@ -43,7 +43,7 @@ def elastica(rung):
     model.add(kg.Fix([nodes[k] for k in at[0]], clamp=True))
     model.add(kg.EdgeLoad([nodes[k] for k in at[-1]], (-critical, 0, 0)))
     model.perturb(np.column_stack([0 * points[:, :2], (points[:, 0] / length) ** 2]), amplitude=1e-5 * length)
-    results = kg.LoadControl(model, to=4.029, targets=ELASTICA[:, 0], step=0.05).run()
+    results = kg.LoadControl(model, to=4.029, targets=ELASTICA[:, 0], step=0.2).run()
     rows = [results.nearest(load) for load in ELASTICA[:, 0]]
     tip = results.u[rows][:, at[-1]].mean(axis=1) / length
     return Found(np.stack([1 + tip[:, 0], np.abs(tip[:, 2])], axis=1), results)
