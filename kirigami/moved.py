@@ -38,7 +38,7 @@ MOVED: dict[str, tuple[str, ...]] = {
     "analysis.checkpoint": ("analysis.path.checkpoint",),
     "analysis.control": ("analysis.path.controls",),
     "analysis.descent": ("analysis.path.descent",),
-    "analysis.events": ("analysis.path.events", "analysis.modes"),
+    "analysis.events": ("analysis.path.events", "analysis.path.release", "analysis.modes"),
     "analysis.increments": ("analysis.path.increments",),
     "analysis.newton": ("analysis.path.newton",),
     "analysis.state": ("analysis.path.points",),

@@ -13,7 +13,7 @@ import pytest
 from shapely import LineString, box
 
 import kirigami as kg
-from kirigami.analysis.path import events
+from kirigami.analysis.path import release
 from kirigami.analysis.path.descent import CORRECTORS
 from kirigami.analysis.path.stable import StableSteps
 
@@ -112,7 +112,7 @@ def test_a_snap_foreseen_is_the_same_snap(monkeypatch: pytest.MonkeyPatch) -> No
         m.add(kg.Bar(left, apex, EA=1.0), kg.Bar(apex, right, EA=1.0), kg.Bar(apex, pulled, EA=0.02))
         m.add(kg.Fix([left, right]), kg.Fix([apex, pulled], "x"), kg.Prescribe(pulled, y=-3.0))
     foreseen = kg.DisplacementControl(m).run()
-    monkeypatch.setattr(events, "FORESEEN", np.inf)
+    monkeypatch.setattr(release, "FORESEEN", np.inf)
     landed = kg.DisplacementControl(m).run()
     assert [event.kind for event in landed.events] == ["snap", "snap"]
     assert [event.bracket for event in foreseen.events] == [event.bracket for event in landed.events]
@@ -139,6 +139,6 @@ def test_what_yields_is_no_snap_foreseen(monkeypatch: pytest.MonkeyPatch) -> Non
     m.add(kg.Fix(nodes[0]), kg.Fix(nodes[1:], "y"), kg.Prescribe(nodes[2], x=0.2))
     assert [event.kind for event in kg.DisplacementControl(m).run().events] == ["yield"]
     for (run, before), (_, after) in pairwise(met):
-        least = events.least_potential(run, before, after.state.lam - before.state.lam)
+        least = release.least_potential(run, before, after.state.lam - before.state.lam)
         run.system.history = before.history
         assert least <= sum(run.system.energies(after.state.u, after.state.lam).values())

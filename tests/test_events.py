@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 from itertools import pairwise
+from unittest import mock
 
 import numpy as np
 import pytest
 
 import kirigami as kg
+from kirigami.analysis.path import stable
 from kirigami.analysis.path.descent import CORRECTORS
-from kirigami.analysis.path.events import force_slope
 from kirigami.analysis.path.points import Attempt, Point, State
+from kirigami.analysis.path.release import force_slope
 
 RISE = 0.3
 LENGTH = np.hypot(1.0, RISE)
@@ -95,6 +97,60 @@ def test_snaps_there_and_back(corrector: str, stiffness: float) -> None:
         if corrector == "path":
             assert high - low <= 0.05 * 1.001 * max(high, 1 - low)
     assert res.u[-1] == pytest.approx(np.zeros((4, 3)), abs=1e-7)
+
+
+def trusses_beside_a_bar(stiffnesses: list[float], beside: float) -> kg.Model:
+    """Trusses pushed through springs of their own, all by 0.7, and a bar of that stiffness pulled as far."""
+    m = kg.Model(dim=2)
+    for number, stiffness in enumerate(stiffnesses):
+        x = 4 * number
+        left, apex, right, grip = m.add(
+            kg.Node(x - 1, 0), kg.Node(x, RISE), kg.Node(x + 1, 0), kg.Node(x, 20 + RISE)
+        )
+        m.add(kg.Bar(left, apex, 1.0), kg.Bar(apex, right, 1.0))
+        m.add(kg.Bar(apex, grip, 20 * stiffness, strain="engineering"))
+        m.add(kg.Fix([left, right]), kg.Fix([apex, grip], "x"), kg.Prescribe(grip, y=-0.7))
+    top, pulled = m.add(kg.Node(-5, 20), kg.Node(-5, 0))
+    m.add(kg.Bar(top, pulled, 20 * beside, strain="engineering"), kg.Fix(top), kg.Fix(pulled, "x"))
+    m.add(kg.Prescribe(pulled, y=-0.7))
+    return m
+
+
+def set_free_behind(stiffness: float) -> tuple[float, float]:
+    """Displacement at which a truss behind a spring snaps, and the energy it sets free, in closed form.
+
+    There P' = -k at z, and the other equilibrium lies at -2 z, as the roots of a cubic without a square add to zero.
+    """
+    height = np.sqrt((RISE**2 - stiffness * LENGTH**3) / 3)
+    place = RISE - height + float(force(height)) / stiffness
+    before, after = (energy(z) + 0.5 * stiffness * (place - RISE + z) ** 2 for z in (height, -2 * height))
+    return place, before - after
+
+
+@pytest.mark.parametrize("share", [1.0, 0.1])
+@pytest.mark.parametrize(
+    ("stiffnesses", "beside"), [([0.02], 0.1), ([0.02], 1.0), ([0.02, 0.03], 3.0), ([0.02, 0.03], 0.2)]
+)
+def test_a_snap_is_told_by_itself_where_it_is_notable(stiffnesses: list[float], beside: float, share: float) -> None:
+    """From a hundredth of force times displacement on; smaller ones together. Ten times shorter increments agree.
+
+    The energy is known as well as the snap is bracketed: to a twentieth of the way, or a tenth of that.
+    """
+    with mock.patch.multiple(stable, SHARE=share * stable.SHARE, CLOSE=share * stable.CLOSE):
+        res = kg.DisplacementControl(trusses_beside_a_bar(stiffnesses, beside)).run()
+    expected: list[tuple[str, float, float, float]] = []
+    for place, free in sorted(set_free_behind(stiffness) for stiffness in stiffnesses):
+        notable = free > 0.01 * (beside + sum(stiffnesses)) * place**2
+        if not notable and expected and expected[-1][0] == "small snaps":
+            _, first, _, before = expected.pop()
+            expected.append(("small snaps", first, place, before + free))
+        else:
+            expected.append(("snap" if notable else "small snaps", place, place, free))
+    assert [event.kind for event in res.events] == [kind for kind, *_ in expected]
+    for event, (_, first, last, free) in zip(res.events, expected):
+        assert event.bracket[0] * 0.7 <= first <= last <= event.bracket[1] * 0.7
+        assert event.energy == pytest.approx(free, rel=0.05 * share)
+    assert len(res.events) == 1 + (beside == 0.2)
 
 
 @pytest.mark.parametrize("arc", ["cylindrical", "spherical"])

@@ -144,11 +144,13 @@ class Event:
     kind : str
         "limit point" (the load factor has an extremum), "bifurcation" (another path crosses), "stability change" (one
         of the two that could not be located), "switch" (an unstable path was left for another one), "switch failed"
-        (no stable equilibrium was found), "snap" (energy was set free), "jump" (a long increment of a corrector that
-        leaps lost the path, in a sharp bend or a small snap), "yield" (something yields for the first time), "beyond
-        yield" (something that stays elastic is strained beyond its yield stress for the first time), "contact" (parts
-        of a sheet with self-contact meet, between the stored steps of ``bracket``), "crossing" (the sheet passes
-        through itself in the stored steps of ``bracket``), "step limit", "interrupted" or "failed".
+        (no stable equilibrium was found), "snap" (energy was set free; where grips drive, more than a hundredth of
+        force times displacement, or of what is stored if that is more), "small snaps" (one or many that set less free
+        each, such as wrinkles that move on), "jump" (a long increment of a corrector that leaps lost the path, in a
+        sharp bend or a small snap), "yield" (something yields for the first time), "beyond yield" (something that
+        stays elastic is strained beyond its yield stress for the first time), "contact" (parts of a sheet with
+        self-contact meet, between the stored steps of ``bracket``), "crossing" (the sheet passes through itself in
+        the stored steps of ``bracket``), "step limit", "interrupted" or "failed".
     lam : float
         Load factor: located for limit points and bifurcations, else the middle of ``bracket``.
     step : int
@@ -163,7 +165,7 @@ class Event:
         The critical mode there, to which the tangent stiffness has just lost its resistance: largest component 1, the
         first of the largest entries positive.
     energy : float or None
-        Of a snap: the energy that was set free [force times length].
+        Of a snap, or of small snaps together: the energy that was set free [force times length].
 
     Examples
     --------

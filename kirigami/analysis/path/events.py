@@ -14,6 +14,7 @@ import numpy as np
 from kirigami.analysis.modes import nodal_shape
 from kirigami.analysis.path.controls import LoadFactorControl
 from kirigami.analysis.path.points import Attempt, Point, Tangent
+from kirigami.analysis.path.release import energy_set_free
 from kirigami.analysis.path.run import PathRun
 from kirigami.linalg import SingularMatrixError, factorize, inverse_iteration
 from kirigami.primitives.kernel import Array
@@ -26,13 +27,7 @@ KINK = 1e-2  # share of the rate at both sides below which none falls at a kink
 SAME_PLACE = 0.02  # share of an increment within which a limit point and a change of stability are one
 JUMP = 20.0  # growth of the mean speed along an increment beyond which displacements jump
 ASIDE = 1e-6  # growth of the critical mode, as a share of all displacements, that shows an imperfection
-HARDLY = 1e-4  # turn of a member in a difference quotient [rad]
 SETTLED = 1e-4  # change of the critical eigenvalue from one inverse iteration to the next that is small enough
-SNAP = 1e-3  # least energy set free, as a share of the stored energy, that counts as a snap
-FORESEEN = 2.0  # energy set free, as a multiple of that, by which a snap is told before it has landed
-SNAP_AFTER_DESCENT = 1e-4  # the same where the path was left for a descent
-SNAP_AT_LIMIT_LOAD = 1e-5  # ... and forces drive: a limit load is bracketed closely, so little energy is told
-DOUBT = 0.3  # error of the work along a path, as a share of the last term of its estimate
 LEAPING = ("newton", "descent", "viscous")  # correctors whose increments may be too long to tell a snap from a bend
 FAR = 0.25  # turn off the path from which on a descent is told of as a jump [rad]
 
@@ -62,12 +57,14 @@ def report_events(
     left: Point | None = None,
     strict: bool = True,
     landed: float = 0.0,
+    closely: bool = True,
 ) -> None:
     """Add to the results of `run` what happened between two of its points, one increment apart.
 
     `left` is the unstable equilibrium at the end of the increment that was left downhill for `after`, if any. With
     `strict` raises a JumpError where `after` or `left` lies on another path, or where that cannot be excluded. `landed`
-    is the turn by which a descent left the path on the way to `after` [rad]; 0 without one.
+    is the turn by which a descent left the path on the way to `after` [rad], 0 without one, and `closely` says whether
+    its increment was as short as a snap is bracketed.
     """
     if not run.system.conservative:
         return  # without a potential the pivots count nothing
@@ -94,13 +91,14 @@ def report_events(
         message = f"no stable equilibrium was found downhill at load factor {bracket[1]:.6g}: the step is unstable"
         events.append(Event("switch failed", bracket[1], index, message, bracket))
     if isinstance(run.control, LoadFactorControl):
-        released, share = _energy_set_free(run, before, after, bool(landed))
-        if share > (_least_share(run) if landed else SNAP):
+        kind, released, share = energy_set_free(run, before, after, bool(landed), closely)
+        if kind:
+            what = f"{kind} between load factors {bracket[0]:.6g} and {bracket[1]:.6g}"
             message = (
-                f"snap between load factors {bracket[0]:.6g} and {bracket[1]:.6g}: "
-                f"energy of {released:.3g} (force times length) was set free, {100 * share:.2g} % of what is stored"
+                f"{what}: energy of {released:.3g} (force times length) was set free, "
+                f"{100 * share:.2g} % of what is stored"
             )
-            events.append(Event("snap", 0.5 * sum(bracket), index, message, bracket, energy=released))
+            events.append(Event(kind, 0.5 * sum(bracket), index, message, bracket, energy=released))
         elif landed > FAR and run.settings.corrector in LEAPING:
             message = (
                 f"jump between load factors {bracket[0]:.6g} and {bracket[1]:.6g}: a member turned {landed:.2g} rad "
@@ -110,93 +108,21 @@ def report_events(
 
 
 def tell_events(
-    run: PathRun, before: Point, after: Point, increment: float, left: Point | None, landed: float = 0.0
+    run: PathRun,
+    before: Point,
+    after: Point,
+    increment: float,
+    left: Point | None,
+    landed: float = 0.0,
+    closely: bool = True,
 ) -> None:
     """As :func:`report_events`, but an unstable `left` that cannot be traced back to `before` lies on another path."""
     known = len(run.results.events)
     try:
-        report_events(run, before, after, increment, left, left is not None, landed)
+        report_events(run, before, after, increment, left, left is not None, landed, closely)
     except JumpError:
         del run.results.events[known:]
-        report_events(run, before, after, increment, None, False, landed)
-
-
-def worth_bracketing(run: PathRun, before: Point, after: Point) -> bool:
-    """Whether a descent from `before` to `after` set so much energy free that its increment is to be shorter.
-
-    Where grips drive, what the estimate of the work leaves open is no reason for it, and smaller snaps are told where
-    they are met, but not sought: a locked sheet has dozens, and each bracket takes several descents.
-    """
-    if not run.system.drive.any():
-        return _energy_set_free(run, before, after, True)[1] > SNAP_AT_LIMIT_LOAD
-    return _energy_set_free(run, before, after, True, doubt=1.0)[1] > SNAP
-
-
-def _least_share(run: PathRun) -> float:
-    return SNAP_AFTER_DESCENT if run.system.drive.any() else SNAP_AT_LIMIT_LOAD
-
-
-def _energy_set_free(
-    run: PathRun, before: Point, after: Point, landed: bool, doubt: float = DOUBT
-) -> tuple[float, float]:
-    """Energy lost between two points beyond what a smooth stable path explains, and its share of the stored energy.
-
-    There the potential changes by the work of the drive. Its rate F is known at both ends, and so is the rate of that,
-    which gives the work over a distance h to fourth order: h (F0 + F1) / 2 + h^2 (F0' - F1') / 12. How good this is the
-    last term tells, as long as the path is smooth. Where it was not left (not `landed`), a force that grows all the way
-    is not excluded, which explains up to h |F1 - F0| / 2. `doubt` is the share of the last term that may be error.
-    """
-    system, distance = run.system, after.state.lam - before.state.lam
-    energy, rate, curvature = zip(*(_potential(system, point, distance) for point in (before, after)))
-    system.history = after.history
-    bend = distance**2 * (curvature[0] - curvature[1]) / 12
-    released = energy[0] + 0.5 * (rate[0] + rate[1]) * distance + bend - energy[1]
-    explained = doubt * abs(bend) if landed else abs(bend) + 0.5 * abs((rate[1] - rate[0]) * distance)
-    rounding = 1e3 * system.noise * system.length
-    stored = max(abs(energy[0]), abs(energy[1]), rounding, 1e-300)
-    return released, released / stored if released > explained else 0.0
-
-
-def least_potential(run: PathRun, before: Point, increment: float) -> float:
-    """Potential one increment on below which a snap was met that is worth bracketing, told without a landing.
-
-    The forces at the point before and their slope give the potential of a smooth path to third order. Where the sheet
-    grows stiffer this is too low, so that fewer snaps are told. What yields or slides grows softer on the way, which no
-    slope at its start tells of: there the forces are only taken not to fall.
-    """
-    system = run.system
-    if not system.drive.any():
-        return -np.inf
-    energy, rate, slope = _potential(system, before, increment)
-    if any(kernel.path_dependent for kernel in system.kernels):
-        slope = min(slope, 0.0)
-    ahead = energy + rate * increment + 0.5 * slope * increment**2
-    return ahead - FORESEEN * SNAP * max(abs(energy), abs(ahead))
-
-
-def _potential(system: System, point: Point, distance: float) -> tuple[float, float, float]:
-    """The potential at a point, its rate with the load factor and the change of that, found once."""
-    if point.potential is None:
-        state, system.history = point.state, point.history
-        with np.errstate(all="ignore"):
-            value = sum(system.energies(state.u, state.lam).values())
-            work = system.potential_rate(state.u, state.lam)
-            point.potential = value, work, force_slope(system, point, distance)
-    return point.potential
-
-
-def force_slope(system: System, point: Point, distance: float) -> float:
-    """Change of what the drive works with the load factor, along the path: by a difference on the tangent.
-
-    It is so short, also against the `distance` to go, that members hardly turn, and central, so that the false stress
-    of a turn falls out.
-    """
-    state, rate = point.state, point.tangent.rate
-    turn = system.largest_rotation(system.motion(rate, 1.0, state.u)) * abs(distance)
-    step = abs(distance) * min(1e-3, HARDLY / max(turn, 1e-300))
-    ends = [(state.q + way * rate, state.lam + way) for way in (-step, step)]
-    low, high = (system.potential_rate(system.displacement(q, lam), lam) for q, lam in ends)
-    return (high - low) / (2 * step)
+        report_events(run, before, after, increment, None, False, landed, closely)
 
 
 # ---- singular points
@@ -393,13 +319,13 @@ def _pushed_aside(run: PathRun, low: Point, high: Point) -> bool:
     """Whether the drive pushes along the critical mode of `low`, a stable point before stability is lost at `high`.
 
     The stable path then turns aside and crosses no other: the mode grows as c / (lam_c - lam) with the load factor,
-    however small c, and the tolerance of equilibrium may hide it. The eigenvalue falls in proportion to lam_c - lam,
-    so c follows without lam_c.
+    however small c, and the tolerance of equilibrium may hide it or feign it. The eigenvalue falls in proportion to
+    lam_c - lam, so c follows without lam_c.
     """
     value, mode = critical_pair(run.system, low.tangent)
     there = float(mode @ (high.tangent.factor.matrix @ mode))
     if not 0 < value or not there < value:
         return False
-    aside = abs(float(mode @ low.tangent.rate)) * value / (value - there) * abs(high.state.lam - low.state.lam)
+    aside = abs(float(mode @ run.settled_rate(low))) * value / (value - there) * abs(high.state.lam - low.state.lam)
     moved = float(np.linalg.norm(low.tangent.rate)) * abs(high.state.lam - run.increments.leg)
     return aside > ASIDE * moved

@@ -18,6 +18,7 @@ from kirigami.analysis.dynamics.schemes import SCHEMES
 from kirigami.analysis.dynamics.steps import TimeSteps
 from kirigami.analysis.path.events import tell_events
 from kirigami.analysis.path.points import Attempt, Point, State
+from kirigami.analysis.path.release import SMALL, SNAP
 from kirigami.analysis.path.stable import PREDICTED_TURN, StableSteps
 from kirigami.errors import ModelError
 from kirigami.linalg import Factor
@@ -38,7 +39,7 @@ class InertialSteps(StableSteps):
         run, events = self.run, self.run.results.events
         known = len(events)
         point, landed, increment = super().advance(before, increment)
-        if not any(event.kind == "snap" for event in events[known:]):
+        if not any(event.kind in (SNAP, SMALL) for event in events[known:]):
             return point, landed, increment
         moved = self._by_motion(before, point, landed, increment)
         tangent = None if moved is None else run.tangent_at(moved)

@@ -10,12 +10,14 @@ from kirigami.analysis.base import Run, require_potential
 from kirigami.analysis.path.controls import Control, LoadFactorControl
 from kirigami.analysis.path.descent import CORRECTORS, descend
 from kirigami.analysis.path.increments import Increments
+from kirigami.analysis.path.iterate import Iterate
 from kirigami.analysis.path.newton import BLOCKED, correct
 from kirigami.analysis.path.points import Attempt, Point, State, Stiffness, Tangent
 from kirigami.analysis.path.settings import PathSettings
 from kirigami.analysis.path.skew import solve
+from kirigami.analysis.path.tracking import CHORDS
 from kirigami.errors import ConvergenceError
-from kirigami.linalg import Factor, SingularMatrixError
+from kirigami.linalg import Factor, NearbyFactor, SingularMatrixError
 from kirigami.primitives.kernel import Ahead, Array
 
 MAX_ITERATIONS = 14
@@ -165,6 +167,23 @@ class PathRun(Run):
             towards = system.load_rate_beside(stiffness.drive_rate, state.u, state.lam)
             rate = -solve(system, stiffness.factor, state.q, state.lam, towards)
         return Tangent(stiffness.factor, rate)
+
+    def settled_rate(self, point: Point) -> Array:
+        """Change of the unknowns with the load factor at a point, once that is balanced as well as rounding allows.
+
+        Near a buckle a residual within the tolerance moves a thin sheet further along the softest mode, and its rate
+        with it, than its imperfection does. It takes solutions with a known factor alone.
+        """
+        system, factor = self.system, point.tangent.factor
+        system.history = point.history
+        at = Iterate(system, self.factorize_blocks, point.state, 0.0)
+        at.chords(factor, CHORDS)
+        blocks = at.blocks()
+        near = NearbyFactor(system.matrix(blocks), factor.near if isinstance(factor, NearbyFactor) else factor)
+        try:
+            return self.tangent(at.state, Stiffness(system.drive_rate(at.lam, blocks), near, at.u)).rate
+        except SingularMatrixError:  # at the buckle itself
+            return point.tangent.rate
 
     def factorize_blocks(self, blocks: Array) -> Factor:
         """Factor of the reduced matrix of assembled blocks."""

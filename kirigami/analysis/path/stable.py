@@ -22,12 +22,12 @@ from typing import Any
 import numpy as np
 
 from kirigami.analysis.path.descent import FELL
-from kirigami.analysis.path.events import least_potential, tell_events, worth_bracketing
-from kirigami.analysis.path.iterate import Iterate
-from kirigami.analysis.path.points import Attempt, Point, State, Stiffness, Tangent
+from kirigami.analysis.path.events import tell_events
+from kirigami.analysis.path.points import Attempt, Point, State, Tangent
+from kirigami.analysis.path.release import least_potential, worth_bracketing
 from kirigami.analysis.path.steps import Steps
-from kirigami.analysis.path.tracking import CHORDS, track
-from kirigami.linalg import NearbyFactor, SingularMatrixError, inverse_iteration, lowest_of_pencil
+from kirigami.analysis.path.tracking import track
+from kirigami.linalg import SingularMatrixError, inverse_iteration, lowest_of_pencil
 from kirigami.primitives.kernel import Array
 
 FIRST = 1e-4  # first increment, as a share of the range
@@ -100,8 +100,7 @@ class StableSteps(Steps):
                 increment = self._bracket(before, increment, least)
                 continue
             self.buckled = True
-            # over a longer increment the work along the path is not known well enough to tell of a small snap
-            tell_events(run, before, point, increment, landed.left, landed.drift if short else 0.0)
+            tell_events(run, before, point, increment, landed.left, landed.drift, short)
             return point, landed, increment
 
     def _share_to_loss(self, before: Point, tangent: Tangent) -> float:
@@ -206,27 +205,13 @@ class StableSteps(Steps):
         system = self.run.system
         try:
             _, mode = inverse_iteration(before.tangent.factor, system.free, 30, 1e-3)
-            along = float(mode @ self._settled_rate(before)) * np.sign(increment)
+            along = float(mode @ self.run.settled_rate(before)) * np.sign(increment)
         except SingularMatrixError:
             return guess
         mode *= np.sign(along) or 1.0
         shape = system.motion(mode, about=guess.u)
         q = guess.q + mode * (PUSH / system.largest_rotation(shape))
         return State(q, guess.lam, system.displacement(q, guess.lam))
-
-    def _settled_rate(self, before: Point) -> Array:
-        """Change of the unknowns with the load factor at a point, once that is balanced as well as rounding allows.
-
-        Near a buckle a residual within the tolerance moves a thin sheet further along the softest mode, and its rate
-        with it, than its imperfection does. It takes solutions with a known factor alone.
-        """
-        run, system, factor = self.run, self.run.system, before.tangent.factor
-        system.history = before.history
-        at = Iterate(system, run.factorize_blocks, before.state, 0.0)
-        at.chords(factor, CHORDS)
-        blocks = at.blocks()
-        near = NearbyFactor(system.matrix(blocks), factor.near if isinstance(factor, NearbyFactor) else factor)
-        return run.tangent(at.state, Stiffness(system.drive_rate(at.lam, blocks), near, at.u)).rate
 
     def settle(self, before: Point, after: Point, attempt: Attempt, increment: float) -> None:
         increments = self.run.increments

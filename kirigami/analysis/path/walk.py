@@ -17,6 +17,7 @@ from kirigami.analysis.path.checkpoint import Checkpoint, resume
 from kirigami.analysis.path.controls import LoadFactorControl
 from kirigami.analysis.path.increments import Increments
 from kirigami.analysis.path.points import Attempt, Point, State, Stiffness
+from kirigami.analysis.path.release import gather
 from kirigami.analysis.path.run import PathRun
 from kirigami.analysis.path.settings import PathSettings
 from kirigami.analysis.path.slow import SlowSteps
@@ -97,6 +98,7 @@ class Walk(PathRun):
                 return
             before, known = point, len(results.events)
             point, attempt, increment = self.steps.advance(before, increment)
+            gather(results.events)
             if settings.on_instability == "switch" and not isinstance(self.control, LoadFactorControl):
                 before, point, attempt = switch(self, results.events[known:], before, point, attempt)
             self.steps.note(attempt)

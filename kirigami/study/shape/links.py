@@ -17,7 +17,7 @@ from kirigami.results.step import Step
 from kirigami.study.shape.relaxation import Relaxer
 
 BEYOND = 1.25  # load factor up to which a shape is followed, over that of the search
-LOST = ("snap", "jump")  # events at which a path goes over to another shape
+LOST = ("snap", "small snaps", "jump")  # events at which a path goes over to another shape
 
 
 @dataclass(frozen=True, eq=False)
