@@ -76,10 +76,10 @@ And on the steps along the path: Anderson's acceleration of the steps with the o
 on one slit and none on cells, where turns pump false stress into the residual; the tangent of the last corrector in
 place of the exact one, where it is shown to be close, saves nearly one in two of all that are not in descents.
 
-Long descents that end further from the prediction than that leads may have crossed a sharp bend to another shape. Cut like
-snaps, two sheets of four and ten slits land where the slow pull does, which they do not now, for 252 instead of 167 and
-137 instead of 104; but on the sheets of benchmarks/landing.py it takes a quarter more (staggered 131 instead of 98,
-parallel 353 instead of 197), and the ring ends in another shape beyond its lock. Not used as it is.
+Long descents that end further from the prediction than that leads may have crossed a sharp bend to another shape. Cut
+like snaps, two sheets of four and ten slits land where the slow pull does, which they do not now, for 252 instead of
+167 and 137 instead of 104; but on the sheets of benchmarks/landing.py it takes a sixth more in the median (staggered
+131 instead of 98, parallel 353 instead of 197), and the ring ends in another shape beyond its lock. Not used as it is.
 """
 
 from __future__ import annotations
