@@ -12,6 +12,7 @@ from kirigami.linalg.checked import Factor, SingularMatrixError
 from kirigami.linalg.eigenpairs import ROUNDS, SPARE, Factorize
 from kirigami.linalg.krylov import BLOCK, KrylovSpace, leading_pairs
 from kirigami.primitives.kernel import Array
+from kirigami.words import counted
 
 LIMIT = 10.0  # largest factor looked for, in units of that at which G is as large as K
 PATIENCE = 6 * BLOCK  # size of a space after which a nearer shift is tried
@@ -147,6 +148,7 @@ class _CriticalSearch:
         below = self._negative(0.5 * float(values[at - 1] + values[at]))
         if below < at:
             raise AnalysisError(
-                f"{at} critical load factors were found where the pivots tell of {below}: the model is too badly scaled"
+                f"{counted(at, 'critical load factor')} found where the pivots tell of {below}: the model is "
+                "too badly scaled"
             )
         return below - at

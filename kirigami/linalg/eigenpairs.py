@@ -16,6 +16,7 @@ from kirigami.errors import AnalysisError
 from kirigami.linalg.checked import Factor, SingularMatrixError, terms
 from kirigami.linalg.krylov import KrylovSpace, leading_pairs
 from kirigami.primitives.kernel import Array
+from kirigami.words import counted
 
 SHIFTED = 1e-8  # shift below zero of a matrix without usable factor, as a share of its stiffness
 SPARE = 4  # pairs found beyond those asked for, to place the count where there is a gap
@@ -193,7 +194,8 @@ class _Search:
         below = self._count(values[at - 1], values[at])
         if below < at:
             raise AnalysisError(
-                f"{at} eigenvalues were found where the pivots tell of {below}: the model is too badly scaled for modes"
+                f"{counted(at, 'eigenvalue')} found where the pivots tell of {below}: the model is "
+                "too badly scaled for modes"
             )
         return below - at
 

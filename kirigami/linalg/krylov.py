@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from kirigami.errors import AnalysisError
 from kirigami.primitives.kernel import Array
+from kirigami.words import counted
 
 SETTLED = 1e-9  # residual of a pair over its value at which it is taken: the error of the value is its square
 USABLE = 1e-4  # ... and at which it is taken where more rounds do not help
@@ -174,6 +175,7 @@ def leading_pairs(space: KrylovSpace, count: int) -> tuple[Array, Array]:
         best = min(best, error)
         space.restart(count + 2 * BLOCK)
     raise AnalysisError(
-        f"{count} eigenpairs do not settle, the best to {best:.0e}: ask for fewer or for a few more; or the lowest of "
-        "them are but rounding of the stiffness, as for a very thin sheet that does not lie level with two axes"
+        f"{counted(count, 'eigenpair')} did not settle, the best to {best:.0e}: ask for fewer or for a few more; or "
+        "the lowest of them are but rounding of the stiffness, as for a very thin sheet that does not lie level with "
+        "two axes"
     )

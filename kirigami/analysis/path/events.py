@@ -20,6 +20,7 @@ from kirigami.linalg import SingularMatrixError, factorize, inverse_iteration
 from kirigami.primitives.kernel import Array
 from kirigami.results.step import Event
 from kirigami.system.system import System
+from kirigami.words import counted
 
 LIMIT_TOLERANCE = 1e-7  # relative error in load to which limit points are located
 BIFURCATION_TOLERANCE = 1e-4  # share of the range of load factors to which bifurcations are located
@@ -84,7 +85,7 @@ def report_events(
     if left is not None:
         message = (
             f"the path loses its stability between load factors {bracket[0]:.6g} and {bracket[1]:.6g} "
-            f"({left.negative} negative eigenvalues) and was left downhill for a stable equilibrium"
+            f"({counted(left.negative, 'negative eigenvalue')}) and was left downhill for a stable equilibrium"
         )
         events.append(Event("switch", 0.5 * sum(bracket), index, message, bracket))
     elif run.settings.on_instability == "switch" and isinstance(run.control, LoadFactorControl) and after.negative:
@@ -160,7 +161,7 @@ def _report_singular_points(
         place = min(near, far, key=lambda p: abs(critical_pair(run.system, p.point.tangent)[0]))
         message = (
             f"bifurcation at load factor {place.point.state.lam:.8g} "
-            f"({near.point.negative} to {far.point.negative} negative eigenvalues)"
+            f"({near.point.negative} to {counted(far.point.negative, 'negative eigenvalue')})"
         )
         _append(run, "bifurcation", place, index, message, bracket)
     if lost:
@@ -185,7 +186,8 @@ def _crossing_at(
 def _tell_change(run: PathRun, old: int, new: int, bracket: tuple[float, float], index: int) -> None:
     """Add a change of stability that was not located to the events."""
     message = (
-        f"{old} to {new} negative eigenvalues between load factors {bracket[0]:.6g} and {bracket[1]:.6g} (not located)"
+        f"{old} to {counted(new, 'negative eigenvalue')} between load factors {bracket[0]:.6g} and {bracket[1]:.6g} "
+        "(not located)"
     )
     run.results.events.append(Event("stability change", 0.5 * sum(bracket), index, message, bracket))
 

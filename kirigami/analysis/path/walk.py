@@ -28,6 +28,7 @@ from kirigami.errors import ConvergenceError
 from kirigami.progress import ProgressBar
 from kirigami.results.results import Results
 from kirigami.results.step import Event, Step
+from kirigami.words import counted
 
 # Where unstable equilibria are left; else increments are made by Newton's method.
 STEPS: dict[str, type[Steps]] = {"path": StableSteps, "slow": SlowSteps}
@@ -109,7 +110,8 @@ class Walk(PathRun):
             if self.checkpoint is not None:
                 self.checkpoint.note(self)
             self.bar.move(self._progress(point))
-        message = f"ended after {settings.max_steps} steps, the most allowed, at load factor {results[-1].lam:.6g}"
+        steps = counted(settings.max_steps, "step")
+        message = f"ended after {steps}, the most allowed, at load factor {results[-1].lam:.6g}"
         results.events.append(Event("step limit", results[-1].lam, len(results) - 1, message))
 
     def _progress(self, point: Point) -> float | None:
