@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import gc
 
+collect_ignore = ["conftest.py"]  # as a module with examples it would be mistaken for those in the folders
+
 
 def pytest_configure() -> None:
     """Ten thousand tests are found without a search for garbage, of which finding makes none."""

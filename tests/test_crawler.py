@@ -17,12 +17,12 @@ SMALL = {"rows": 3, "max_edge": 4.0}
 @pytest.fixture(scope="module")
 def crawler() -> Any:
     path = Path(__file__).parent.parent / "examples" / "crawler.py"
-    specification = importlib.util.spec_from_file_location("crawler", path)
+    specification = importlib.util.spec_from_file_location("small_crawler", path)
     assert specification is not None and specification.loader is not None
     module = importlib.util.module_from_spec(specification)
     import sys
 
-    sys.modules["crawler"] = module  # dataclasses look their module up
+    sys.modules["small_crawler"] = module  # dataclasses look it up; "crawler" is what other tests import, unchanged
     specification.loader.exec_module(module)
     module.STRAIN = 0.02
     return module

@@ -86,7 +86,7 @@ def test_folds_of_a_drawing_are_hinges_of_the_model(tmp_path: Path) -> None:
         forces.append(-report.force[-1])
     assert 0 < forces[0] < forces[1] < forces[2]
     folded = stretch_drawing(pattern(tmp_path), fold_angle=30.0, **options)
-    assert any("folded by up to 30 degrees, 2 as valleys and 1 as mountains" in note for note in folded.notes)
+    assert any("folded by up to 30 degrees, 2 as valleys and 1 as mountain" in note for note in folded.notes)
 
 
 @pytest.mark.filterwarnings("ignore::kirigami.KirigamiWarning")
