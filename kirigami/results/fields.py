@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from kirigami.elements.triangle import SurfaceStrain
@@ -9,6 +11,7 @@ from kirigami.errors import AnalysisError
 from kirigami.post.shape import principal_values
 from kirigami.primitives.kernel import Array
 from kirigami.results.results import Results
+from kirigami.results.step import Step
 
 
 def facet_strain(results: Results) -> Array:
@@ -76,17 +79,23 @@ def nodal_energy(results: Results, step: int | None = None) -> Array:
     >>> nodal_energy(kg.LinearStatic(m).run()).round(12).tolist()
     [[0.0, 0.0], [0.05, 0.05]]
     """
-    chosen = results.steps if step is None else [results.steps[step]]
-    total = np.zeros((len(chosen), len(results.rest)))
+    if step is None:  # asked for by pages and files alike
+        kept: Array = results.once("nodal energy", lambda: _nodal_energy(results, results.steps))
+        return kept.copy()
+    return np.asarray(_nodal_energy(results, [results.steps[step]])[0])
+
+
+def _nodal_energy(results: Results, steps: Sequence[Step]) -> Array:
+    total = np.zeros((len(steps), len(results.rest)))
     for kernel in results.kernels:
         if not kernel.stores_energy or not len(kernel.conn):
             continue
         nodes = kernel.places
         if nodes is None:  # of its rows, those behind the nodes have no place
             nodes = kernel.conn[:, (kernel.conn < len(results.rest)).all(axis=0)]
-        for row, one in zip(total, chosen):
-            np.add.at(row, nodes, results.member_energy(kernel, one)[:, None] / nodes.shape[1])
-    return total if step is None else total[0]
+        for row, step in zip(total, steps):
+            np.add.at(row, nodes, results.member_energy(kernel, step)[:, None] / nodes.shape[1])
+    return total
 
 
 def energy_density(results: Results, step: int | None = None) -> Array:
