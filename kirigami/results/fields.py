@@ -80,8 +80,8 @@ def nodal_energy(results: Results, step: int | None = None) -> Array:
     [[0.0, 0.0], [0.05, 0.05]]
     """
     if step is None:  # asked for by pages and files alike
-        kept: Array = results.once("nodal energy", lambda: _nodal_energy(results, results.steps))
-        return kept.copy()
+        own: Array = np.array(results.once("nodal energy", lambda: _nodal_energy(results, results.steps)))
+        return own
     return np.asarray(_nodal_energy(results, [results.steps[step]])[0])
 
 
