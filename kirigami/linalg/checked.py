@@ -14,7 +14,7 @@ REFINE_ABOVE = 1e-10  # residual over right-hand side that calls for a step of r
 PIVOT_ABOVE = 1e-6  # ... and for a second look, or a new factorisation with pivoting
 SINGULAR_ABOVE = 1e-3  # ... and shows, after that, that nothing helps
 ROUNDED = 1e-12  # residual over its terms, entry by entry, that rounding explains
-COLUMNS = 50_000  # of a matrix whose sizes are taken together
+COLUMNS = 20_000  # of a matrix that are looked at together, so that what this takes is little
 NO_WORK = 1e-14  # work of a right-hand side over that of the terms one by one, below which rounding makes it all
 
 

@@ -2,18 +2,18 @@
 
 from __future__ import annotations
 
-from functools import cached_property
 from itertools import pairwise
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from kirigami.linalg.checked import COLUMNS
 from kirigami.linalg.dissection import Fronts, Index
 from kirigami.linalg.subtrees import shares
 from kirigami.primitives.kernel import Array
 
-COLUMNS, ENTRIES = 20_000, 1 << 20  # of a matrix that are looked at together, so that what this takes is little
+ENTRIES = 1 << 20  # of a matrix that are moved together, so that what this takes is little
 
 Slices = tuple[slice, slice]
 Transfer = list[tuple[int, Slices, Slices]]  # which block of the parent, where there, from where in the child's block
@@ -47,6 +47,7 @@ class FrontPlan:
         self.seats = self._seats(codes)
         self.taken, self.places = self._entries(matrix, codes)  # as small as numbers go: they are as many as entries
         self._shares: dict[int, tuple[list[Index], Index]] = {}
+        self._transfers: dict[int, Transfer] = {}  # loops do without them
 
     def shares(self, threads: int) -> tuple[list[Index], Index]:
         """Fronts for each thread, and those left for afterwards."""
@@ -60,10 +61,11 @@ class FrontPlan:
         found: list[int] = self.children[self.first_child[front] : self.first_child[front + 1]].tolist()
         return found
 
-    @cached_property
-    def transfers(self) -> list[Transfer]:
-        """How the left-over of each front adds to the blocks of its parent, stretch by stretch."""
-        return [self._transfer(front) for front in range(len(self.pivots))]
+    def transfer(self, child: int) -> Transfer:
+        """How the left-over of a front adds to the blocks of its parent, stretch by stretch."""
+        if child not in self._transfers:
+            self._transfers[child] = self._find_transfer(child)
+        return self._transfers[child]
 
     def spread(self, data: Array, store: Array) -> None:
         """Put the entries of a matrix at their places in a factor's array."""
@@ -120,7 +122,7 @@ class FrontPlan:
         seats[outer] = self.pivots[above[outer]] + self._rank(above[outer], self.border[outer], codes)
         return seats.astype(np.int32)
 
-    def _transfer(self, child: int) -> Transfer:
+    def _find_transfer(self, child: int) -> Transfer:
         seats = self.seats[self.first[child] : self.first[child + 1]].astype(np.int64)
         if not len(seats):
             return []

@@ -18,6 +18,7 @@ from typing import Any
 import numpy as np
 
 from kirigami.linalg.checked import (
+    COLUMNS,
     PIVOT_ABOVE,
     CheckedFactor,
     Factor,
@@ -34,7 +35,6 @@ from kirigami.linalg.threads import LARGE, one_thread, threads_for
 from kirigami.primitives.compiling import compiles
 from kirigami.primitives.kernel import Array
 
-COLUMNS = 20_000  # of a matrix that are looked at together, so that what this takes is little
 COMPILED = 2_000  # unknowns from which on compiled loops pay for loading Numba
 LEAF, COMPILED_LEAF = 100, 50  # unknowns of a part that is not cut any more: small fronts are dear in Python
 

@@ -56,7 +56,7 @@ class PlainElimination:
                 blocks = pivot, outer, rest
                 for child in children:
                     spent, update = self._left_over.pop(child)
-                    for which, to, source in plan.transfers[child]:
+                    for which, to, source in plan.transfer(child):
                         block = blocks[which][to]  # a view; adding to blocks[which][to] itself would copy it once more
                         block += update[source]
                     self._buffers.give(spent)
