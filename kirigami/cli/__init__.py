@@ -9,14 +9,16 @@ from __future__ import annotations
 
 import argparse
 import os
+import re
 import sys
 import warnings
 from collections.abc import Sequence
-from typing import Any
+from typing import Any, NoReturn
 
 import kirigami as kg
 from kirigami.cli import accuracy, demo, export, info, mesh, stretch
 from kirigami.cli.options import in_words_of_the_command
+from kirigami.errors import nearest_name
 
 DESCRIPTION = """\
 Mechanics of cut sheets.
@@ -91,7 +93,7 @@ def _run(arguments: Sequence[str] | None) -> int:
 
 def make_parser() -> argparse.ArgumentParser:
     """The parser with all commands."""
-    parser = argparse.ArgumentParser(
+    parser = _Parser(
         prog="kirigami", description=DESCRIPTION, epilog=EPILOG, formatter_class=argparse.RawDescriptionHelpFormatter
     )
     parser.add_argument("--version", action="version", version=f"kirigami {kg.__version__}")
@@ -99,6 +101,24 @@ def make_parser() -> argparse.ArgumentParser:
     for command in (demo, stretch, accuracy, mesh, info, export):
         command.add(commands)
     return parser
+
+
+class _Parser(argparse.ArgumentParser):
+    """Answers a mistyped command or option with the nearest one; so do the commands, whose parsers are like it."""
+
+    def error(self, message: str) -> NoReturn:
+        mistyped = re.search(r"invalid choice: '([^']*)'|unrecognized arguments: (--[\w-]+)", message)
+        near = nearest_name(mistyped[1] or mistyped[2], self._names(bool(mistyped[2]))) if mistyped else None
+        super().error(f"{message}: did you mean {near}?" if near else message)
+
+    def _names(self, options: bool) -> set[str]:
+        """Options of this parser and its commands, or else what may be chosen."""
+        names: set[str] = set()
+        for action in self._actions:
+            names.update(action.option_strings if options else map(str, action.choices or ()))
+            if isinstance(action.choices, dict):
+                names.update(*(command._names(options) for command in action.choices.values()))
+        return names
 
 
 def _say_warning(message: Warning | str, category: type[Warning], *place: Any, **more: Any) -> None:

@@ -20,6 +20,25 @@ COMMANDS = ["demo", "stretch", "accuracy", "mesh", "info", "export"]
 
 
 @pytest.mark.parametrize(
+    "words, meant",
+    [
+        (["strech", PLATE], "stretch"),
+        (["stretch", PLATE, "--thikness", "1mm"], "--thickness"),
+        (["stretch", PLATE, *SHEET, "--accuracy", "standart"], "standard"),
+        (["mesh", PLATE, "--quiett"], "--quiet"),
+        (["--verison"], "--version"),
+    ],
+)
+def test_what_is_mistyped_is_answered_with_the_nearest_name(
+    words: list[str], meant: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    with pytest.raises(SystemExit) as ended:
+        cli.main(words)
+    assert ended.value.code == 2
+    assert capsys.readouterr().err.rstrip().endswith(f"did you mean {meant}?")
+
+
+@pytest.mark.parametrize(
     "words",
     [
         ["demo", "--frames", "1"],
