@@ -90,9 +90,9 @@ def draw(found: dict[float, tuple[Drag, Drag]]) -> None:
 
     figure = plt.figure(figsize=(12, 4))
     frictions = list(found)
-    ax = figure.add_axes((-0.03, -0.2, 0.53, 1.4), projection="3d")
+    ax = figure.add_axes((0.0, -0.12, 0.44, 1.24), projection="3d")
     found[frictions[-1]][0].results.plot(ax=ax, view=(-24, -62), colorbar=False)
-    ax.set_title("from below the floor", y=0.82)
+    ax.set_title("from below the floor", y=0.84)
     over, ratio = figure.add_axes((0.52, 0.15, 0.2, 0.75)), figure.add_axes((0.78, 0.15, 0.2, 0.75))
     for number, (friction, (ahead, behind)) in enumerate(found.items()):
         over.plot(ahead.way, 1e3 * ahead.drag, color=f"C{number}", label=f"{friction:g}")

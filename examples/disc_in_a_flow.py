@@ -146,6 +146,7 @@ def draw(results: kg.Results, without_lee: kg.Results) -> None:
     ax.loglog(smooth, [drag_of_cone(c, 5) for c in smooth], "--", color="C1", label="both layers pressed")
     for number, run in enumerate((results, without_lee)):
         ax.loglog(list(PUBLISHED), [drag(run, c) for c in PUBLISHED], "o", color=f"C{number}")
+    ax.plot([], [], "o", color="0.4", label="computed")
     ax.set(xlabel=r"$C = q R^3 / (D \ln(R / r))$", ylabel="drag over that of the flat disc", ylim=(0.05, 1.3))
     ax.legend(frameon=False, loc="lower left")
     figure.savefig("disc_in_a_flow.png", dpi=120)

@@ -174,7 +174,7 @@ def picture(found: list[Meshed], path: str) -> None:
         ax = figure.add_axes([0.81, 0.1, 0.17, 0.4])
         facets, seconds = [one.facets for one in found], [one.seconds for one in found]
         ax.plot(facets, seconds, "o-", color=BLUE, ms=3)
-        ax.set(xlabel="facets", ylabel="seconds of one processor", xlim=(0, None), ylim=(0, None))
+        ax.set(xlabel="facets", ylabel="seconds of one processor", xlim=(0, None), ylim=(0, 1.1 * max(seconds)))
         figure.savefig(path, dpi=130)
 
 

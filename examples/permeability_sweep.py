@@ -118,6 +118,7 @@ def figure(table: kg.SweepTable) -> Any:
     top, bottom = fig.subfigures(2, 1, height_ratios=(1.3, 1.0))
     for number, (ax, row) in enumerate(zip(top.subplots(1, 2), shown), start=1):
         res = stretched(**{name: row[name] for name in RANGES} | {"stretch": stretch})
+        res.units = "SI"
         res.plot(ax=ax, view="top")
         ax.set_axis_off()
         ax.set_title(f"{number}:  {row['cells_across']} x {row['cells_along']} cells at {100 * stretch:.0f} %, "
@@ -134,8 +135,10 @@ def figure(table: kg.SweepTable) -> Any:
             axis.set_minor_formatter(NullFormatter())
         ax.set_title(f"rank correlation {rank_correlation(done, name):+.2f}", fontsize=9)
         for number, row in enumerate(shown, start=1):
-            ax.annotate(str(number), (row[name], 1e6 * row["permeability"]), (5, -8), textcoords="offset points")
-            ax.plot(row[name], 1e6 * row["permeability"], "o", ms=8, mfc="none", mec="k", mew=0.8)
+            at = row[name], 1e6 * row["permeability"]
+            offset, side = ((5, -12), "left") if number == 1 else ((-5, 4), "right")
+            ax.annotate(str(number), at, offset, ha=side, textcoords="offset points")
+            ax.plot(*at, "o", ms=8, mfc="none", mec="k", mew=0.8)
     exponent, _, r2 = fit(done)
     ends = np.array([done["open_area"].min(), done["open_area"].max()])
     x, y = np.log(done["open_area"]), np.log(k)

@@ -186,7 +186,7 @@ def picture(compared: Pulled, off: dict[str, np.ndarray], regimes: Pulled, toget
         ax.loglog(shell["strain"][1:], shell["force"][1:] * scale, "o", ms=3, mfc="none", color=INK, label="shells")
         limit = inextensible_limits()[1]
         ax.axvline(limit, color=GREY, linewidth=0.8, linestyle=(0, (3, 2)))
-        ax.text(limit * 0.82, 0.45, "inextensible\nfrom grip to grip", ha="right", fontsize=7, color=INK)
+        ax.text(0.9 * limit, 0.42, "inextensible from grip to grip", rotation=90, ha="right", fontsize=7, color=INK)
         first, last = regimes.crossing(0.6, rising=False), regimes.crossing(1.0, rising=True)
         top = ax.get_ylim()[1]
         for name, strain in (("i", 3e-6), ("ii", np.sqrt(first * last)), ("iii", 1.35 * last)):

@@ -54,10 +54,10 @@ class Scale:
         unit, factor = self.unit(kind)
         return f"{value / factor:.{digits}g} {unit}".rstrip()
 
-    def place(self, point: Iterable[float], digits: int = 4) -> str:
-        """A point in words: "(12.5, 3) mm"."""
+    def place(self, point: Iterable[float], digits: int = 4, named: bool = True) -> str:
+        """A point in words, with or without its unit: "(12.5, 3) mm", "(12.5, 3)"."""
         unit, factor = self.unit("length")
-        return f"({', '.join(f'{value / factor:.{digits}g}' for value in point)}) {unit}".rstrip()
+        return f"({', '.join(f'{value / factor:.{digits}g}' for value in point)}) {unit if named else ''}".rstrip()
 
     def title(self, what: str, kind: str) -> str:
         """Words for a quantity, with its unit behind them where one is known."""

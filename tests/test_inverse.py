@@ -241,9 +241,30 @@ def test_the_picture_shows_the_run_of_the_drawing():
     )  # fmt: skip
     plain, more = found.plot(), found.plot(start.walk())
     titles = [ax.get_title() for ax in more.axes]
-    assert titles[-1] == "run again, from the drawing" and titles[-1] not in [ax.get_title() for ax in plain.axes]
+    last = "run again, from the drawing"
+    assert last in titles and last not in [ax.get_title() for ax in plain.axes]
+    assert "height z" in [ax.get_ylabel() for ax in more.axes]  # colours have a bar
     with pytest.raises(kg.ModelError, match=r"InverseResult\.plot: again must be a Results"):
         found.plot(start)
+
+
+def test_the_picture_shows_targets_by_kind_in_units_where_these_are_known():
+    """A force and an area share no axis; without a run of the drawing nothing says that lengths are metres."""
+    start = design(edge=1.0)
+    each = [np.array([1.0]), np.array([1.0]), np.array([0.5, 1.0]), np.array([1.0])]
+    found = kg.InverseResult(
+        start.at(inner=0.9), start, {"inner": 0.9}, 0.0, 0.0, True, "met", "met", each, each, each, each, each,
+        ["force", "open_area", "height", "force"], [{"values": {"inner": 0.9}, "error": 0.0}],
+    )  # fmt: skip
+    plain = [ax.get_ylabel() for ax in found.plot().axes]
+    assert plain[:5] == ["height", "force", "open area", "y", "y"]
+    again = start.walk()
+    again.units = "SI"
+    axes = found.plot(again).axes
+    labels = [ax.get_ylabel() for ax in axes]
+    assert labels[:5] == ["height [mm]", "force [N]", "open area [mm$^2$]", "y [mm]", "y [mm]"]
+    assert "height z [mm]" in labels[5:]
+    assert [mark.get_text() for mark in axes[1].get_xticklabels()] == ["1", "4"]  # by its number among all
 
 
 def test_the_best_of_several_starts_counts():

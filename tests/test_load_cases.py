@@ -11,6 +11,7 @@ import pytest
 import shapely
 
 import kirigami as kg
+from kirigami.results.drives import Drive
 from kirigami.scale import Scale
 from kirigami.study.job import read_case
 from kirigami.study.measured import compare, read_measured
@@ -79,6 +80,18 @@ def test_a_push_is_a_lift_downwards_and_regions_move_as_one() -> None:
         assert kind == "shape" or res.drives[0].title(Scale()).startswith(f"lift of the {kind} (0.0")
         right = res.node_index(res.grips["held right"])
         assert np.abs(res.u[-1, right, 2]).max() == 0 < np.abs(res.u[-1, right, 0]).max()
+
+
+def test_axes_name_each_unit_once() -> None:
+    """What is lifted may be named by coordinates, which have the unit of the way itself."""
+    for name in ("lifted 0.06, 0.02", "lifted 0.03, 0.05, 0.01", "lifted centre"):
+        drive = Drive("lift", name, name, "length", 1e-3, np.array([0.0, 0.0, 1.0]))
+        motion, response = drive.titles(Scale("mm"))
+        assert motion.endswith(" [mm]") and motion.count("mm") == 1 and response.endswith(" [N]")
+        assert [title.count("[") for title in drive.titles(Scale())] == [0, 0]
+    assert Drive("lift", "lifted 0.06,0.02", "", "length", 1e-3, np.zeros(3)).titles(Scale("mm")) == (
+        "lift of the point (60, 20) [mm]", "force at the point (60, 20) mm [N]"
+    )  # fmt: skip
 
 
 def test_a_sheet_lifted_under_its_own_weight() -> None:

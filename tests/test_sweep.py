@@ -155,7 +155,7 @@ def test_seeds_follow_from_the_number_of_the_design(tmp_path: Path) -> None:
 def test_goes_on_where_it_was(tmp_path: Path) -> None:
     designs = many(5, folder=str(tmp_path))
     sweep = kg.Sweep(noted, designs, tmp_path / "n")
-    with pytest.warns(kg.KirigamiWarning, match="time limit: 5 of 5 designs are missing"):
+    with pytest.warns(kg.KirigamiWarning, match="time limit: 5 of 5 designs missing"):
         assert len(sweep.run(Inline(), time_limit=-1).missing) == 5
     lines = [*log_of(tmp_path / "n")]
     sweep.run(Inline())
@@ -412,7 +412,7 @@ def test_the_log_of_another_sweep(tmp_path: Path) -> None:
     kg.Sweep(line, [{"x": 1.0}, {"x": 2.0}], path).run(Inline())
     before = path.with_suffix(".jsonl").read_bytes()
     for other, words in (
-        (kg.Sweep(line, [{"x": 1.0}], path), "a sweep of 2 designs, and 1 are given"),
+        (kg.Sweep(line, [{"x": 1.0}], path), "a sweep of 2 designs, not of 1"),
         (kg.Sweep(line, [{"x": 1.0}, {"x": 3.0}], path), "design 1 has x = 2.0 there and 3.0 here"),
         (kg.Sweep(line, [{"x": 1.0}, {"x": 2.0}], path, seed=1), "another seed"),
         (kg.Sweep(partial(line, slope=3.0), [{"x": 1.0}, {"x": 2.0}], path), r"belongs to line, not to line\(slope=3"),

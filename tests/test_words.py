@@ -69,6 +69,20 @@ def test_no_sentence_of_the_package_counts_by_itself():
     assert len(things()) > 40 and not wrong, "\n".join(wrong)
 
 
+def test_no_sentence_leaves_one_from_many_to_the_reader():
+    """"1 node(s)"; and no verb that is right of many only stands behind a number of things."""
+    wrong = []
+    for file, text in nodes_of(r"\(s\)|\bcounted\(", ast.JoinedStr):
+        parts = [part.value if isinstance(part, ast.Constant) else ast.unparse(part) for part in text.values]
+        sentence = "".join(parts)
+        if re.search(r"\w\(s\)(?!\w)", "".join(part.value for part in text.values if isinstance(part, ast.Constant))):
+            wrong.append(f"{file.relative_to(ROOT)}:{text.lineno}: {sentence[:80]}")
+        for told, after in zip(text.values, parts[1:]):
+            if "counted(" in ast.unparse(told) and re.match(r"(?: \w+)? (?:are|were|have|lie) ", after):
+                wrong.append(f"{file.relative_to(ROOT)}:{text.lineno}: {sentence[:80]}")
+    assert not wrong, "\n".join(wrong)
+
+
 def small():
     """Two nodes, one of which moves along x."""
     model = kg.Model(dim=2)

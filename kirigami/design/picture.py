@@ -10,6 +10,8 @@ from kirigami.plot import style
 from kirigami.plot.undeformed import plot_sheet
 from kirigami.primitives.checks import require_instance
 from kirigami.results.results import Results
+from kirigami.results.scale import scale_of
+from kirigami.scale import Scale
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -20,6 +22,12 @@ if TYPE_CHECKING:
     from kirigami.results.gradients.equilibrium import Equilibrium
 
 ABREAST = 3  # panels in a row, so that a page can hold them
+TOLD = {  # what targets ask for, in words, and what it is measured in
+    "force": ("force", "force"), "position": ("place of nodes", "length"), "point": ("place of a point", "length"),
+    "energy": ("energy", "energy"), "open_area": ("open area", "area"), "height": ("height", "length"),
+    "width": ("width", "length"), "shape": ("squared distance from the shape", "area"),
+    "critical": ("critical load factor", ""),
+}  # fmt: skip
 
 
 @style.styled
@@ -32,7 +40,7 @@ def plot_result(result: InverseResult, again: Results | None = None) -> Figure:
         The answer.
     again : Results, optional
         What the drawing of the answer does by itself, from ``Job.load(result.design.export(folder)).run().results``:
-        its last step gets a panel of its own.
+        its last step gets a panel of its own, and all axes get its units.
 
     Returns
     -------
@@ -41,11 +49,15 @@ def plot_result(result: InverseResult, again: Results | None = None) -> Figure:
     from matplotlib.figure import Figure
 
     curves = [number for number, lam in enumerate(result.lam) if len(lam) > 1]
-    points = [number for number, lam in enumerate(result.lam) if len(lam) == 1]
+    points: dict[str, list[int]] = {}  # one panel for all that is of one kind
+    for number in (number for number, lam in enumerate(result.lam) if len(lam) == 1):
+        points.setdefault(result.names[number], []).append(number)
     shown = result.thicker is not None
     if again is not None:
         require_instance(again, Results, "again", "InverseResult.plot")
-    panels = len(curves) + bool(points) + 3 + shown + (again is not None)
+    scale = Scale() if again is None else scale_of(again)
+    targets = len(curves) + len(points)
+    panels = targets + 3 + shown + (again is not None)
     rows = -(-panels // ABREAST)
     columns = -(-panels // rows)
     figure = Figure(figsize=(3.4 * columns, 3.2 * rows), layout="constrained")
@@ -54,19 +66,22 @@ def plot_result(result: InverseResult, again: Results | None = None) -> Figure:
         idle.set_axis_off()
     for number, ax in zip(curves, axes):
         _curve(ax, result, number)
-    if points:
-        _points(axes[len(curves)], result, points)
-    sheets = axes[len(curves) + bool(points) :]
+    for numbers, ax in zip(points.values(), axes[len(curves) :]):
+        _points(ax, result, numbers)
+    for name, ax in zip([*(result.names[number] for number in curves), *points], axes):
+        style.label_axis(ax.yaxis, *TOLD.get(name, (name.replace("_", " "), "")), scale)
+    sheets = axes[targets:]
     for ax, title, design in ((sheets[0], "start", result.start), (sheets[1], "found", result.design)):
         plot_sheet(design.sheet(), ax=ax)
+        style.axes_in_unit(ax, scale)
         ax.set_title(title)
     if shown:
         _thicker(sheets[2], result)
-    _changes(axes[len(curves) + bool(points) + 2 + shown], result)
+    _changes(sheets[2 + shown], result)
     if again is not None:
         axes[panels - 1].remove()
         last = figure.add_subplot(rows, columns, panels, projection="3d" if again.dim == 3 else None)
-        again.plot(ax=last, colorbar=False).set_title("run again, from the drawing")
+        again.plot(ax=last).set_title("run again, from the drawing")
     return figure
 
 
@@ -84,20 +99,19 @@ def _curve(ax: Any, result: InverseResult, number: int) -> None:
     for label, values, color, marker in _lines(result):
         width = 0 if label == "wanted" else 1.2
         ax.plot(lam[order], values[number][order], color=color, marker=marker, lw=width, label=label)
-    ax.set(xlabel="load factor", title=result.names[number].replace("_", " "))
-    ax.legend(frameon=False)
+    ax.set(xlabel="load factor", title="targets")
+    ax.legend(frameon=True, framealpha=0.8, edgecolor="none")
 
 
 def _points(ax: Any, result: InverseResult, numbers: list[int]) -> None:
-    """Targets at one load factor, side by side."""
+    """Targets of one kind at one load factor each, side by side."""
     for label, values, color, marker in _lines(result):
         told = [values[number][0] for number in numbers]
         ax.plot(np.arange(len(numbers)), told, color=color, marker=marker, lw=0, label=label)
-    names = list(dict.fromkeys(result.names[number].replace("_", " ") for number in numbers))
-    ax.set_xticks(np.arange(len(numbers)), [str(number + 1) for number in range(len(numbers))])
+    ax.set_xticks(np.arange(len(numbers)), [str(number + 1) for number in numbers])
     ax.margins(x=0.15)
-    ax.set(xlabel="target", title=", ".join(names))
-    ax.legend(frameon=False)
+    ax.set(xlabel="number of the target", title="targets")
+    ax.legend(frameon=True, framealpha=0.8, edgecolor="none")
 
 
 def _thicker(ax: Any, result: InverseResult) -> None:

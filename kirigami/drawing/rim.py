@@ -167,7 +167,7 @@ def _picked(blobs: list[Any], part: int | None, measure: Measure) -> Any:
     )
     if part is None and len(large) > 1:
         raise GeometryError(
-            f"{counted(len(large), 'outline')} lie side by side ({told}): draw one sheet in a file, or take one with "
+            f"{counted(len(large), 'outline')} side by side ({told}): draw one sheet in a file, or take one with "
             "`part=1`"
         )
     if part is not None and len(large) > 1:

@@ -25,6 +25,7 @@ from kirigami.primitives.checks import require_finite, require_positive
 from kirigami.primitives.kernel import EXACT, Array, Contribution, Kernel, Tangent
 from kirigami.primitives.node import Node, require_nodes
 from kirigami.primitives.parts import ModelObject, Numbering
+from kirigami.words import counted
 
 TOUCHING = 1e-9  # an angle at its limit up to rounding [rad]
 
@@ -114,7 +115,7 @@ class AngleLimit(ModelObject):
         if beyond.size:
             worst = int(beyond[0])
             raise ModelError(
-                f"{beyond.size} AngleLimit(s) are violated in the rest state, the first at "
+                f"{counted(beyond.size, 'AngleLimit')} violated in the rest state, the first at "
                 f"{numbering.describe(objects[worst].j)}: the angle {angle[worst]:.6g} is not between "
                 f"{minimum[worst]:.6g} and {maximum[worst]:.6g} rad; open the joint or widen the limits"
             )

@@ -140,7 +140,7 @@ class Contact(ModelObject):
         if inside.size:
             worst = int(inside[np.argmin(gap[inside])])
             raise ModelError(
-                f"{inside.size} node(s) of Contact lie inside the surface at rest, the deepest "
+                f"{counted(inside.size, 'node')} of Contact inside the surface at rest, the deepest "
                 f"{numbering.describe(int(conn[worst, 0]))} by {-gap[worst]:.6g} below "
                 f"{objects[int(members[worst])].surface} and its offset: move the surface away"
             )

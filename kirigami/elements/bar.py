@@ -37,6 +37,7 @@ from kirigami.primitives.hardening import Hardening, YieldCurve, member_curve
 from kirigami.primitives.kernel import EXACT, Array, CompiledKernel, Contribution, Kernel, Tangent, displacement_of
 from kirigami.primitives.node import Node, require_nodes
 from kirigami.primitives.parts import ModelObject, Numbering
+from kirigami.words import counted
 
 STRAINS = ("green", "engineering")
 LAWS = ("linear", "ogden", "cable")
@@ -155,7 +156,7 @@ class Bar(ModelObject):
         if short.size:
             bar = objects[int(short[0])]
             raise ModelError(
-                f"{short.size} bar(s) of zero length, the first between {numbering.describe(bar.i)} and "
+                f"{counted(short.size, 'bar')} of zero length, the first between {numbering.describe(bar.i)} and "
                 f"{numbering.describe(bar.j)}: merge the nodes or remove the bar"
             )
         EA = np.array([bar.EA for bar in objects])

@@ -36,6 +36,7 @@ from kirigami.primitives.hardening import Hardening, YieldCurve, member_curve
 from kirigami.primitives.kernel import EXACT, Array, CompiledKernel, Contribution, Kernel, Tangent, displacement_of
 from kirigami.primitives.node import Node, require_nodes
 from kirigami.primitives.parts import ModelObject, Numbering
+from kirigami.words import counted
 
 COLLINEAR = 1e-10  # a wing lower than this fraction of its edge has no direction
 AT_ONCE = 8_000  # hinges whose second derivatives are worked out together, to spare memory and the processor's cache
@@ -144,7 +145,7 @@ class BendHinge(ModelObject):
             if bad.size:
                 hinge = objects[int(bad[0])]
                 raise ModelError(
-                    f"{bad.size} BendHinge(s) with a wing on the hinge line, the first with wing "
+                    f"{counted(bad.size, 'BendHinge')} with a wing on the hinge line, the first with wing "
                     f"{numbering.describe(hinge.nodes[corner])} on the line {numbering.describe(hinge.j)} to "
                     f"{numbering.describe(hinge.k)}: a wing must stand off the line"
                 )

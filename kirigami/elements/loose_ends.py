@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from kirigami.errors import KirigamiWarning
 from kirigami.primitives.kernel import Array
 from kirigami.primitives.node import place_in_words
+from kirigami.words import counted
 
 
 def warn_of_loose_ends(
@@ -22,7 +23,7 @@ def warn_of_loose_ends(
     if not loose.size:
         return
     warnings.warn(
-        f"{owner}: {loose.size} end(s) of folds lie inside the sheet, the first at "
+        f"{owner}: {counted(loose.size, 'end')} of folds inside the sheet, the first at "
         f"{place_in_words(nodes[loose[0]])}: there curvature is the mesh's and grows with every finer one; lead "
         "the fold to a rim, a cut or another fold, if that is how it is made",
         KirigamiWarning,

@@ -18,6 +18,7 @@ from kirigami.errors import ModelError
 from kirigami.primitives.kernel import Array
 from kirigami.primitives.parts import Numbering
 from kirigami.primitives.rows import EdgeRows
+from kirigami.words import counted
 
 FAR = 0.21  # of its length is how far the middle of an edge may be off it: the arc of a right angle
 Index = NDArray[np.int64]
@@ -131,7 +132,8 @@ def _check_folds(
         a, b = ends[bad[0]].tolist()
         raise ModelError(
             f"Crease: the edge from {numbering.describe(a)} to {numbering.describe(b)} has "
-            f"{ahead[bad[0]] + back[bad[0]]} facet(s): a crease folds two facets, alike oriented, against each other"
+            f"{counted(ahead[bad[0]] + back[bad[0]], 'facet')}: a crease folds two facets, alike oriented, "
+            "against each other"
         )
     if numbering.mesh is None or not numbering.mesh.folds:  # else it was said of the mesh
         warn_of_loose_ends("Crease", folded, ends[ahead + back == 1], numbering.rest, 2)

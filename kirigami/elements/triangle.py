@@ -16,6 +16,7 @@ from kirigami.errors import KirigamiWarning, ModelError
 from kirigami.primitives.kernel import Array
 from kirigami.primitives.node import place_in_words
 from kirigami.primitives.parts import Numbering
+from kirigami.words import counted
 
 DEGENERATE = 1e-10  # least height of a facet over its longest edge
 JUMP = 100.0  # ratio of the thickness of neighbours from which on it is worth a warning
@@ -65,7 +66,7 @@ def check_areas(owner: str, corners: NDArray[np.int64], numbering: Numbering) ->
     bad = np.flatnonzero(~(area > 0.5 * DEGENERATE * (edges**2).sum(axis=2).max(axis=1)))
     if bad.size:
         first = ", ".join(numbering.describe(k) for k in corners[bad[0]].tolist())
-        raise ModelError(f"{bad.size} {owner}(s) without area, the first on {first}: remove or remesh them")
+        raise ModelError(f"{counted(bad.size, owner)} without area, the first on {first}: remove or remesh them")
 
 
 def warn_of_jumps(owner: str, corners: NDArray[np.int64], thickness: Array, rest: Array, stacklevel: int) -> None:

@@ -141,7 +141,7 @@ def triangulate_drawing(
     if len(made.points) - len(start.points) >= limit:
         centre = made.points[made.triangles[np.argmin(signed_areas(made.points, made.triangles))]].mean(axis=0)
         raise GeometryError(
-            f"more than {counted(limit, 'node')} are needed where the drawing leaves a very narrow sliver or gap, near "
+            f"more than {counted(limit, 'node')} needed where the drawing leaves a very narrow sliver or gap, near "
             f"{drawing.frame.place(centre)}; move the cuts apart, or close it by a larger `snap`"
         )
     return _smoothed(made, size, drawing.mesher)

@@ -94,7 +94,7 @@ class NaturalState:
 
     def _check_found(self, found: int, wanted: int, what: str) -> None:
         if found < wanted:
-            raise ModelError(f"{self.owner}: {wanted - found} of its {what} were taken out of the model")
+            raise ModelError(f"{self.owner}: {wanted - found} of its {what} taken out of the model")
 
     def _local(self, corners: Index, values: Array) -> Array:
         """Strain and curvature (k, 6) in the axes of elements with `corners` (k, 3), the first along the edge 01."""

@@ -104,12 +104,13 @@ class Drive:
         words = self.name.removeprefix("lifted ").replace(":", " ").replace(",", " ").split()
         return "_".join(words)
 
-    def where(self, scale: Scale) -> str:
-        """The place in words: "centre", "the disc (0, 0, 6) mm"; coordinates alone say little."""
+    def where(self, scale: Scale, named: bool = True) -> str:
+        """The place in words: "centre", "the disc (0, 0, 6) mm"; coordinates alone say little. The unit need not be
+        named where it follows."""
         name = self.name.removeprefix("lifted ")
         with suppress(ValueError):
             numbers = [float(part) for part in name.split(",")]
-            return f"the {SHAPES.get(len(numbers), 'place')} {scale.place(numbers)}"
+            return f"the {SHAPES.get(len(numbers), 'place')} {scale.place(numbers, named=named)}"
         return name
 
     def named(self, scale: Scale) -> str:
@@ -117,8 +118,8 @@ class Drive:
         return f"lifted {self.where(scale)} by" if self.motion == "lift" else self.motion
 
     def title(self, scale: Scale) -> str:
-        """The motion in words: "strain", "lift of centre"."""
-        return f"lift of {self.where(scale)}" if self.motion == "lift" else self.motion
+        """The motion in words, as an axis has it whose unit follows: "strain", "lift of the point (60, 20)"."""
+        return f"lift of {self.where(scale, named=False)}" if self.motion == "lift" else self.motion
 
     def takes(self, scale: Scale) -> str:
         """What it takes in words: "force of the grip", "torque of the grip", "force at centre"."""

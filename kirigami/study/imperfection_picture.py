@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
 from kirigami.errors import ModelError
 from kirigami.plot import style
 
@@ -37,12 +35,13 @@ def draw_study(study: ImperfectionStudy) -> Figure:
     parts: Any = figure.subfigures(2, 1, height_ratios=(1.0, 1.15))
     above, below = parts
     solid = study.model.dim == 3
-    largest = max(float(np.abs(study.final(number).position()[-1][:, 2]).max()) for number in drawn)
     for place, number in enumerate(drawn):
         ax = above.add_subplot(1, len(drawn), place + 1, projection="3d" if solid else None)
-        _draw_shape(study, ax, number, largest)
+        _draw_shape(study, ax, number)
         energy = min(case.energy for case in study.branches[number])
         ax.set_title(f"branch {number}\nenergy {energy:.4g}", color=_color(number))
+    if solid:
+        above.supxlabel("heights: blue below, vermilion above", fontsize=8, color=style.INK)
     _draw_table(study, below.add_subplot())
     return figure
 
@@ -51,14 +50,11 @@ def _color(number: int) -> str:
     return COLORS[(number - 1) % len(COLORS)]
 
 
-def _draw_shape(study: ImperfectionStudy, ax: Any, number: int, largest: float) -> None:
+def _draw_shape(study: ImperfectionStudy, ax: Any, number: int) -> None:
     results = study.final(number)
     solid = study.model.dim == 3
     results.plot(ax=ax, colorbar=False, cmap=style.diverging_map() if solid else None)
     if solid:
-        for drawn in ax.collections:
-            if drawn.get_array() is not None:
-                drawn.set_clim(-largest, largest)
         ax.set_proj_type("ortho")
         ax.view_init(elev=40, azim=-60)
     ax.set_axis_off()

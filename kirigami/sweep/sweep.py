@@ -159,7 +159,7 @@ class Sweep:
                 table = log.table()
                 table.write(self.path)
         if early:
-            _warn(f"{early}: {len(table.missing)} of {counted(len(table), 'design')} are missing; run again to go on")
+            _warn(f"{early}: {len(table.missing)} of {counted(len(table), 'design')} missing; run again to go on")
         return table
 
     def _compute(self, runner: Runner, log: SweepLog, todo: list[int], progress: bool, time_limit: float | None) -> str:

@@ -285,9 +285,7 @@ def check_same(path: Path, found: Row, wanted: Row) -> None:
         raise AnalysisError(f"{path} belongs to {found['function']}, not to {wanted['function']}: {advice}")
     old, new = found["designs"], wanted["designs"]
     if len(old) != len(new):
-        raise AnalysisError(
-            f"{path} holds a sweep of {counted(len(old), 'design')}, and {len(new)} are given: {advice}"
-        )
+        raise AnalysisError(f"{path} holds a sweep of {counted(len(old), 'design')}, not of {len(new)}: {advice}")
     for number, (one, other) in enumerate(zip(old, new)):
         if one != other:
             name = next(name for name in {**one, **other} if one.get(name) != other.get(name))

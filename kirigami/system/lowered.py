@@ -72,8 +72,8 @@ class Lowered(Unknowns):
         loose = np.flatnonzero(np.any(still[unknown[: self.points]], axis=1))
         if loose.size:
             raise ModelError(
-                f"{loose.size} dangling node(s) that no element holds, the first {numbering.describe(int(loose[0]))}: "
-                "remove them, connect them or fix them"
+                f"{counted(loose.size, 'dangling node')} that no element holds, the first "
+                f"{numbering.describe(int(loose[0]))}: remove them, connect them or fix them"
             )
 
     def _measure(self) -> None:

@@ -276,4 +276,5 @@ def describe_motion(system: System, shape: Array) -> tuple[str, list[int]]:
     )
     shown = ", ".join(f"{node} {system.model.nodes[node]!r}" for node in order[:4].tolist())
     more = f" and {len(order) - 4} more" if len(order) > 4 else ""
-    return f"node(s) {shown}{more} move {direction}", order.tolist()
+    moves = "node {} moves" if len(order) == 1 else "nodes {} move"
+    return f"{moves.format(shown + more)} {direction}", order.tolist()

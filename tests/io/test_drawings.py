@@ -221,7 +221,7 @@ BAD = {
     "open.svg": (svg('\n<path id="outline" d="M0 0h9v9h-8"/>'), r"outline is open: from line 3 <path> 'outline'"),
     "two.svg": (
         svg('<rect id="outline1" width="3" height="3"/><rect id="outline2" x="5" width="3" height="3"/>'),
-        "2 outlines lie side by side",
+        "2 outlines side by side",
     ),
     "bow.svg": (svg('<path id="outline" d="M0 0L9 9H0L9 0z"/>'), "crosses itself.*0.0045 0.0045"),
     "unknown_unit.svg": (svg('<path id="outline" d="M0 0h9v9h-9z"/>').replace("9mm", "9furlong"), None),

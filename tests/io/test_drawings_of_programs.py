@@ -62,7 +62,7 @@ REFUSED = [  # name, text, words of the true cause
     ("one_gap.svg", HEAD + f'<path d="{data([(0, 0.5), (0, 80), (120, 80), (120, 0), (0, 0)])}" {THIN}/>' + "</svg>",
      "a gap of 0.5 mm"),
     ("two_sheets.svg", HEAD + paths(1, THIN, RED) + f'<g transform="translate(0,90)">{paths(1, THIN, RED)}</g></svg>',
-     "2 outlines lie side by side"),
+     "2 outlines side by side"),
     ("all_hidden.svg", f'<svg {INKSCAPE} width="120mm" height="80mm" viewBox="0 0 120 80"><g inkscape:label="cut" '
      f'inkscape:groupmode="layer" style="opacity:0">{paths(1, THIN, THIN)}</g></svg>', "neither painted nor visible"),
     ("gaps.dxf", dxf([line((0.3, 0), (120, 0)), line((120, 0), (120, 80)), line((120, 79.8), (0, 80)), line((0, 80), (0, 0))]),

@@ -13,6 +13,7 @@ from kirigami.errors import GeometryError
 from kirigami.lattice.tilings.tiling import Tiling, place_of
 from kirigami.primitives.checks import require_array, require_items, require_positive
 from kirigami.primitives.groups import first_of_group
+from kirigami.words import counted
 
 
 def from_polygons(
@@ -69,8 +70,8 @@ def from_polygons(
             touched = len(set(owner[here].tolist()))
             if touched < 2:
                 raise GeometryError(
-                    f"from_polygons: the joint at {place_of(joint)} touches {touched} panel(s); a joint needs a corner "
-                    "of two panels there"
+                    f"from_polygons: the joint at {place_of(joint)} touches {counted(touched, 'panel')}; a joint "
+                    "needs a corner of two panels there"
                 )
             leader[here] = here[0]
     kept, index = np.unique(leader, return_inverse=True)

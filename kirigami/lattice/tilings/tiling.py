@@ -161,8 +161,8 @@ class Tiling:
             both = shapely.intersection(polygons[first[k]], polygons[second[k]])
             where = place_of(both.centroid.coords[0])
             raise GeometryError(
-                f"Tiling: panels {first[k]} and {second[k] % count} overlap around {where}; "
-                f"{bad.size} pair(s) of panels do"
+                f"Tiling: panels {first[k]} and {second[k] % count} overlap around {where}"
+                + f", the first of {counted(bad.size, 'such pair')}" * (bad.size > 1)
             )
 
     def place(self, corners: Iterable[Corner]) -> Array:
