@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import gc
 
-collect_ignore = ["conftest.py"]  # as a module with examples it would be mistaken for those in the folders
+collect_ignore_glob = ["*conftest.py"]  # as modules with examples they would be mistaken for one another
 
 
 def pytest_configure() -> None:
