@@ -15,6 +15,9 @@ from shapely import LineString, box
 import kirigami as kg
 from kirigami.analysis.path import release
 from kirigami.analysis.path.descent import CORRECTORS
+from kirigami.analysis.path.increments import Increments
+from kirigami.analysis.path.points import Attempt, Point, State, Tangent
+from kirigami.analysis.path.run import PathRun
 from kirigami.analysis.path.stable import StableSteps
 
 
@@ -142,3 +145,40 @@ def test_what_yields_is_no_snap_foreseen(monkeypatch: pytest.MonkeyPatch) -> Non
         least = release.least_potential(run, before, after.state.lam - before.state.lam)
         run.system.history = before.history
         assert least <= sum(run.system.energies(after.state.u, after.state.lam).values())
+
+
+def strained(pull: float) -> kg.DisplacementControl:
+    """A square of a few facets, pulled in its plane."""
+    mesh = kg.Sheet(box(0, 0, 1, 1)).mesh(0.5)
+    m = kg.Model.from_mesh(mesh, 0.05, kg.Material(E=1e9, nu=0.3))
+    bottom, top = m.select(boundary="bottom"), m.select(boundary="top")
+    m.add(kg.Fix(m.nodes, "z"), kg.Fix(bottom, "xy"), kg.Fix(top, "x"), kg.Prescribe(top, y=pull))
+    return kg.DisplacementControl(m)
+
+
+@pytest.mark.parametrize("pull, told", [(1.0, True), (0.02, False)])
+def test_a_failure_among_torn_facets_names_their_strain(pull: float, told: bool, monkeypatch) -> None:
+    """Where edges have doubled their length, no smaller step and no imperfection helps."""
+    real = PathRun.tangent_at
+    fails = lambda run, attempt: None if attempt.state.lam > 0.5 else real(run, attempt)  # noqa: E731
+    monkeypatch.setattr(PathRun, "tangent_at", fails)
+    with pytest.raises(kg.ConvergenceError) as failed:
+        strained(pull).run()
+    assert ("law of small strains" in failed.value.hint) == told
+    assert ("imperfection" in failed.value.hint) != told
+
+
+def test_beyond_a_failed_descent_increments_grow_gently() -> None:
+    """A landing on this side of the place where a descent failed does not bring the long increment back that failed."""
+    run = PathRun(strained(0.02))
+    steps = StableSteps(run)
+    run.increments = Increments(1e-3, 1.0, 1e-7, [1.0])
+    tangent = Tangent(None, np.zeros(run.system.free))
+    here, there = (Point(State(np.zeros(run.system.free), lam, run.system.rest), tangent, None) for lam in (0.5, 0.7))
+    landed = Attempt(here.state, True, 0.0, 5, relaxed=True, drift=0.1)
+    steps.cut(here, landed, 0.1)
+    run.increments.size = 1e-5  # after as many cuts as it took
+    steps.settle(here, here, landed, 1e-5)
+    assert run.increments.size == pytest.approx(2e-5)
+    steps.settle(here, there, landed, 1e-5)
+    assert run.increments.size > 0.1

@@ -39,6 +39,14 @@ def test_fifty_sheets(sheets, tmp_path):
     assert sum(map(sheets.as_expected, connected)) >= 0.95 * len(connected), sheets.summary(rows)
 
 
+@pytest.mark.long
+def test_a_ligament_that_would_tear_ends_in_time(sheets):
+    """Facets half as wide as they are thick, stretched by 83 %, collapse on bars and hinges: said, and without end."""
+    row = sheets.stretch(47, small=False)
+    assert row["outcome"] == "typed error" and "law of small strains" in row["message"]
+    assert row["last_load_factor"] > 0.85 and row["cutbacks"] < 60
+
+
 def test_the_count_of_parts_is_right(sheets):
     """The oracle itself: a line across, a closed line, a line that stops short, and a hole that is no piece."""
     import shapely

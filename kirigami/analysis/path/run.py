@@ -23,6 +23,7 @@ from kirigami.primitives.kernel import Ahead, Array
 MAX_ITERATIONS = 14
 MAX_RELAXATION = 120
 DRIFT_LARGEST = 0.25  # an equilibrium that far off the prediction may lie on another branch: the increment is cut [rad]
+STRAINED = 0.2  # change of length of an edge, as a share, from which on a failure is put down to it
 HALVINGS = 6  # of the share of a prediction that effects allow
 PREDICTED_TURN = 0.5  # a prediction that turns a member by more is cut before it is tried [rad]
 
@@ -222,10 +223,21 @@ class PathRun(Run):
             results=results,
             history=attempt.history,
             worst_nodes=worst,
-            hint=self._hint(attempt),
+            hint=self._hint(attempt, worst[0]),
         )
 
-    def _hint(self, attempt: Attempt) -> str:
+    def _strain_about(self, node: int) -> float:
+        """Largest change of length, as a share, of an edge at the neighbours of a node, at the last step."""
+        mesh, steps = self.system.model.mesh, self.results.steps
+        if mesh is None or not steps or node >= len(mesh.nodes):
+            return 0.0
+        beside = np.unique(mesh.edges[(mesh.edges == node).any(axis=1)])
+        one, other = mesh.edges[np.isin(mesh.edges, beside).any(axis=1)].T
+        first = self.system.rest[other] - self.system.rest[one]
+        last = first + steps[-1].u[other] - steps[-1].u[one]
+        return float(np.max(np.abs(np.linalg.norm(last, axis=1) / np.linalg.norm(first, axis=1) - 1.0)))
+
+    def _hint(self, attempt: Attempt, worst: int) -> str:
         if attempt.reason == BLOCKED:
             return "what is held or driven meets other parts of the sheet: drive it less far, or free what must give"
         negative = self.results.steps[-1].negative if self.results.steps else 0
@@ -236,6 +248,12 @@ class PathRun(Run):
             )
         if isinstance(self.control, LoadFactorControl) and not self.system.drive.any():
             return "past a limit point no equilibrium exists at a higher load: use DisplacementControl or ArcLength"
+        if (strain := self._strain_about(worst)) > STRAINED:
+            return (
+                f"there an edge has changed its length by {strain:.0%}, far more than the law of small strains means: "
+                "facets collapse, where the material would tear. Pull less far, or draw the ligament wider or without "
+                "it; the results so far are in error.results"
+            )
         return (
             "a larger imperfection (Model.perturb), a smaller step, or ArcLength where the path turns back; "
             "the results so far are in error.results"

@@ -54,6 +54,7 @@ class StableSteps(Steps):
     rate: Array | None = None  # change of the unknowns with the load factor at the last but one point of a smooth path
     rate_lam = 0.0  # its load factor
     snap: float | None = None  # load factor before which a snap is known to lie ahead
+    trouble: float | None = None  # load factor at which no equilibrium was found
     loss: float | None = None  # load factor at which the flat sheet seems to lose its stability
 
     def advance(self, before: Point, increment: float) -> tuple[Point, Attempt, float]:
@@ -218,7 +219,9 @@ class StableSteps(Steps):
         distance = abs(after.state.lam - increments.leg)
         if attempt.relaxed:
             self.rate = None
-            increments.resize(increment, max(2.0, SHARE * distance / abs(increment)))
+            # Beyond a snap the way is free again; where a descent failed it is felt out from short increments.
+            far = 0.0 if self._troubled(after.state.lam, increment) else SHARE * distance / abs(increment)
+            increments.resize(increment, max(2.0, far))
         else:
             self.rate, self.rate_lam = before.tangent.rate, before.state.lam
             increments.resize(increment, float(np.clip((WANTED / max(attempt.drift, 1e-9)) ** 0.5, 0.5, 2.0)))
@@ -227,6 +230,16 @@ class StableSteps(Steps):
         least = increments.smallest if self.buckled else increments.first
         increments.size = min(increments.size, max(share * distance, least))
         self._hold_back(after.state.lam, float(np.sign(increment)), max(CLOSE * distance, increments.smallest))
+
+    def cut(self, before: Point, attempt: Attempt, increment: float) -> float:
+        self.trouble = before.state.lam + increment
+        return super().cut(before, attempt, increment)
+
+    def _troubled(self, lam: float, increment: float) -> bool:
+        """Whether the place where a descent failed lies ahead."""
+        if self.trouble is not None and (self.trouble - lam) * increment <= 0:
+            self.trouble = None
+        return self.trouble is not None
 
     def _hold_back(self, lam: float, sense: float, short: float) -> None:
         """Shorten the next increment, down to `short`, before a snap or a loss of stability known to lie ahead."""
@@ -242,6 +255,6 @@ class StableSteps(Steps):
     @property
     def memory(self) -> dict[str, Any]:
         own: dict[str, Any] = {} if self.rate is None else {"rate": self.rate, "rate_lam": self.rate_lam}
-        places = {"snap": self.snap, "loss": self.loss}
+        places = {"snap": self.snap, "loss": self.loss, "trouble": self.trouble}
         own |= {name: place for name, place in places.items() if place is not None}
         return {**super().memory, "buckled": self.buckled, **own}
