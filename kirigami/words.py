@@ -2,6 +2,11 @@
 
 from __future__ import annotations
 
+from decimal import Decimal
+from math import isfinite
+
+LEAST = 1e-6  # per cent that are written out
+
 
 def counted(number: float, what: str, many: str | None = None, *, spec: str = "") -> str:
     """A number of things: "1 curve", "2 curves".
@@ -28,7 +33,7 @@ def counted(number: float, what: str, many: str | None = None, *, spec: str = ""
 
 
 def percent(share: float, digits: int = 2) -> str:
-    """A share in per cent, as people write it.
+    """A share in per cent, as people write it: without powers of ten.
 
     Parameters
     ----------
@@ -40,7 +45,10 @@ def percent(share: float, digits: int = 2) -> str:
     Examples
     --------
     >>> from kirigami.words import percent
-    >>> percent(0.01234), percent(3.31)
-    ('1.2 %', '330 %')
+    >>> percent(0.01234), percent(3.31), percent(1.6e-7)
+    ('1.2 %', '330 %', '0.000016 %')
     """
-    return f"{float(f'{100 * share:.{digits}g}'):g} %"
+    rounded = f"{100 * share:.{digits}g}"
+    if 0 < abs(float(rounded)) < LEAST:
+        return f"under {LEAST:f} %"
+    return f"{Decimal(rounded):f} %" if isfinite(share) else f"{share:g} %"

@@ -46,7 +46,9 @@ def test_one_of_a_thing_is_one_thing():
 
 
 def test_shares_are_told_without_powers_of_ten():
-    assert [percent(share) for share in (0.0123, 0.5, 3.31, 1e-6, 0.0)] == ["1.2 %", "50 %", "330 %", "0.0001 %", "0 %"]
+    told = {0.0123: "1.2 %", 0.5: "50 %", 98.7: "9900 %", 1e-6: "0.0001 %", 1.6e-7: "0.000016 %", 0.0: "0 %"}
+    assert {share: percent(share) for share in told} == told
+    assert percent(1e-13) == "under 0.000001 %" and percent(-0.02) == "-2 %" and percent(0.123456, 4) == "12.35 %"
 
 
 def test_no_sentence_of_the_package_counts_by_itself():
