@@ -34,6 +34,7 @@ def main(pictures: bool = False, max_edge: float = 0.15) -> float:
     res = kg.DisplacementControl(m).run(progress=pictures)
     if pictures:
         print(res.summary())
+        res.units = "SI"  # so that pictures name units
         m.plot().figure.savefig("curved_cell_sheet.png")
         res.plot().figure.savefig("curved_cell_sheet_open.png")
         ax = res.plot_curve(top, "y", x=res.lam * PULL / 2.0)

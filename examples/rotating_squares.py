@@ -115,6 +115,7 @@ def pictures() -> None:
         force, along = open_closed(moment, strain=0.1)
         ax.plot(along, force, ".-", ms=4, color=color, label=f"closing moment {moment:g} k")
         ax.plot(opening, expected_force(0.0, opening, closing_moment=moment), "--", color=color, lw=0.8)
+    ax.plot([], [], "k--", lw=0.8, label="closed form")
     ax.set(xlabel="strain", ylabel="force [k / side]", ylim=(0, None))
     ax.legend(frameon=False, fontsize="small")
     figure.savefig("rotating_squares_opening.png", dpi=150)

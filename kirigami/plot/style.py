@@ -237,9 +237,9 @@ def label_axis(axis: Any, what: str, kind: str, scale: Scale) -> None:
 
 def in_units_of(factor: float) -> Any:
     """What labels the ticks of an axis in another unit, which is `factor` times that of its numbers."""
-    from matplotlib.ticker import FuncFormatter
+    from matplotlib.ticker import Formatter, FuncFormatter
 
-    return FuncFormatter(lambda value, _: f"{value / factor:.6g}")
+    return FuncFormatter(lambda value, _: Formatter.fix_minus(f"{value / factor:.6g}"))  # the minus of other axes
 
 
 def raised(unit: str) -> str:
