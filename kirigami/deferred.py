@@ -42,6 +42,11 @@ class _Deferred:
         function: Callable[..., Any] = getattr(importlib.import_module(module), name)
         return function
 
+    @property
+    def __doc__(self) -> str | None:  # type: ignore[override]
+        """What the function says of itself, for help(kg.stiffness.report)."""
+        return self.__wrapped__.__doc__
+
     def __get__(self, instance: Any, owner: type) -> Any:
         function = self.__wrapped__
         return function if self.static or instance is None else function.__get__(instance, owner)

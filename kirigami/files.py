@@ -74,6 +74,37 @@ def whole_file(path: str | os.PathLike[str]) -> Iterator[Path]:
                 unfinished.unlink(missing_ok=True)
 
 
+def make_folder(path: Path) -> None:
+    """Make a folder to write to, with those it lies in.
+
+    Parameters
+    ----------
+    path : Path
+        The folder; it may be there already.
+
+    Raises
+    ------
+    KirigamiError
+        A file has its name, or it lies where nothing can be written.
+
+    Examples
+    --------
+    >>> from pathlib import Path
+    >>> from kirigami.files import make_folder
+    >>> import tempfile
+    >>> report = Path(tempfile.mkdtemp()) / "reports" / "first"
+    >>> make_folder(report)
+    >>> report.is_dir()
+    True
+    """
+    try:
+        path.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        inside = next((part for part in (path, *path.parents) if part.exists() and not part.is_dir()), None)
+        why = f"{inside} is a file" if inside else error.strerror or str(error)
+        raise KirigamiError(f"cannot make the folder {path}: {why}") from error
+
+
 def _written_through(target: Path) -> bool:
     """Whether a path names something that must be fed instead of replaced; raises where it can be neither."""
     if target.is_dir():

@@ -153,7 +153,7 @@ def unit_for(value: float, kind: str) -> tuple[str, float]:
     return next((unit, factor) for unit, factor, least in steps if value >= least)
 
 
-def doubts(*, thickness: float, size: float, E: float, strain: float) -> list[str]:
+def doubts(*, thickness: float, size: float, E: float, strain: float, imperfection: float = 0.0) -> list[str]:
     """What looks like a slip of units, in words; an empty list where all is plausible.
 
     Parameters
@@ -164,6 +164,8 @@ def doubts(*, thickness: float, size: float, E: float, strain: float) -> list[st
         Young's modulus [Pa].
     strain : float
         Largest strain asked for.
+    imperfection : float
+        How far from flat the sheet is taken to be [m].
 
     Examples
     --------
@@ -176,7 +178,11 @@ def doubts(*, thickness: float, size: float, E: float, strain: float) -> list[st
     thickness = require_not_negative(thickness, "thickness", "units.doubts")
     size = require_not_negative(size, "size", "units.doubts")
     E, strain = require_finite(E, "E", "units.doubts"), require_finite(strain, "strain", "units.doubts")
+    imperfection = abs(require_finite(imperfection, "imperfection", "units.doubts"))
     found = []
+    if imperfection > 0.1 * size:
+        found.append(f"an imperfection of {show(imperfection, 'length')} is no small one of a sheet of "
+                     f"{show(size, 'length')}: it is another shape")  # fmt: skip
     if thickness > 0.1 * size:
         share = show(thickness / size, "ratio") if size else "more than all"
         found.append(f"the thickness {show(thickness, 'length')} is {share} of the size {show(size, 'length')}: "

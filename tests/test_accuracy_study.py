@@ -81,15 +81,47 @@ def test_front_and_advice(study: kg.study.AccuracyStudy) -> None:
     assert len(figure.axes) == 3 and "failed" in figure.get_supxlabel()
 
 
-def test_it_resumes_without_running_again(study: kg.study.AccuracyStudy, tmp_path: Path) -> None:
+def test_it_resumes_without_running_again_and_never_with_the_runs_of_another_sheet(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The same sizes and rungs, but a sheet that is thicker or pulled further: numbers of the first are none of it."""
     path = tmp_path / "small"
-    first = kg.study.accuracy(pulled, [0.3], path=path, stiffness=["plate"], at=[1.0])
 
-    def broken(max_edge: float, stiffness: str):
+    def study(thickness: float, pull: float) -> kg.study.AccuracyStudy:
+        def case(max_edge: float, stiffness: str):
+            m = kg.Model.from_mesh(SHEET.mesh(max_edge), thickness=thickness, stiffness=stiffness)
+            m.add(kg.Fix(m.select(boundary="bottom"), clamp=True))
+            top = m.select(boundary="top")
+            m.add(kg.Prescribe(top, x=0, y=pull, z=0, clamp=True))
+            return m, top, "y"
+
+        given = {"load_factor": [0.0, 1.0], "force": [0.0, 1.0]}
+        return kg.study.accuracy(case, [0.4], path=path, stiffness=["plate"], at=[1.0], reference=given)
+
+    first = study(0.01, 1e-4)
+
+    def broken(analysis: kg.DisplacementControl) -> kg.Results:
         raise AssertionError("a finished run must not be repeated")
 
-    again = kg.study.accuracy(broken, [0.3], path=path, stiffness=["plate"], at=[1.0])
-    assert [row["force at 1"] for row in again.table] == [row["force at 1"] for row in first.table]
+    monkeypatch.setattr(kg.DisplacementControl, "run", broken)
+    assert [row["force at 1"] for row in study(0.01, 1e-4).table] == [row["force at 1"] for row in first.table]
+    for thickness, pull in ((0.02, 1e-4), (0.01, 2e-4)):
+        with pytest.raises(kg.AnalysisError, match="belongs to accuracy of sheet .* give another path"):
+            study(thickness, pull)
+
+
+def test_a_study_in_which_every_run_fails_is_an_error_that_says_why(tmp_path: Path) -> None:
+    given = {"load_factor": [0.0, 1.0], "force": [0.0, 1.0]}
+    with pytest.raises(kg.AnalysisError, match="all 2 runs failed, the first one by .*too coarse on purpose"):
+        kg.study.accuracy(pulled, [2.0, 1.0], path=tmp_path / "a", stiffness=["plate"], at=[1.0], reference=given)
+
+
+def test_a_study_without_anything_to_compare_is_drawn_all_the_same(study: kg.study.AccuracyStudy) -> None:
+    """Where no run of the reference ended, there are no errors: a logarithmic axis has nothing to begin with."""
+    nothing = {name: np.full(2, np.nan) for name in ("force", "open_area", "height")}
+    figure = replace(study, judge=replace(study.judge, values=nothing, errors={})).plot()
+    figure.canvas.draw()
+    assert [text.get_text() for ax in figure.axes for text in ax.texts] == ["nothing to compare"]
 
 
 def test_a_reference_file_is_interpolated(tmp_path: Path) -> None:
@@ -164,7 +196,7 @@ def test_prints_of_shapes_know_reflections_and_sides() -> None:
         ({"sizes": [-1.0]}, "positive"),
         ({"sizes": [0.3], "reference": {"load_factor": [0, 0.5], "force": [0, 1]}}, "spans load factors"),
         ({"sizes": [0.3], "reference": {"force": [0, 1]}}, "load_factor"),
-        ({"sizes": [0.3], "reference": "no such file.csv"}, "cannot be read"),
+        ({"sizes": [0.3], "reference": "no such file.csv"}, "cannot read no such file.csv: No such file"),
     ],
 )
 def test_bad_input_is_named(options: dict, words: str, tmp_path: Path) -> None:

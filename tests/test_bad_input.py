@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import math
+import pydoc
 import subprocess
 import sys
 
 import numpy as np
 import pytest
+import shapely
 
 import kirigami as kg
 
@@ -251,3 +253,25 @@ def test_the_right_name_is_told_once():
     """As a person sees it: Python adds a hint of its own to what it prints where it can."""
     ran = subprocess.run([sys.executable, "-c", "import kirigami as kg; kg.strech"], capture_output=True, text=True)
     assert ran.returncode and ran.stderr.lower().count("did you mean") == 1 and ran.stderr.count("'stretch'") == 1
+
+
+def test_an_empty_outline_is_told():
+    """As a difference or an intersection of shapes may be; an empty cut is none."""
+    with pytest.raises(kg.GeometryError, match="the outline is empty"):
+        kg.Sheet(shapely.Polygon())
+    assert kg.Sheet(shapely.box(0, 0, 1, 1), shapely.LineString()).cuts == ()
+
+
+@pytest.mark.parametrize("kind", ["dxf", "svg", "geojson", "fold"])
+def test_a_mistyped_option_of_a_reader_is_answered_with_the_nearest_one(kind):
+    with pytest.raises(kg.GeometryError, match="without the option tolerence: did you mean `tolerance`"):
+        getattr(kg.Sheet, f"from_{kind}")(f"plate.{kind}", tolerence=0.1)
+
+
+def test_help_of_what_lives_elsewhere_is_that_of_the_function():
+    """In a class such a function is itself; in a module it used to have the documentation of what stands for it."""
+    from kirigami.geometry.graded import graded_slits
+    from kirigami.study.effective import report
+
+    assert kg.stiffness.report.__doc__ == report.__doc__ and kg.cuts.graded_slits.__doc__ == graded_slits.__doc__
+    assert report.__doc__.splitlines()[0] in pydoc.render_doc(kg.stiffness.report, renderer=pydoc.plaintext)

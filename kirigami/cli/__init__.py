@@ -104,7 +104,13 @@ def make_parser() -> argparse.ArgumentParser:
 
 
 class _Parser(argparse.ArgumentParser):
-    """Answers a mistyped command or option with the nearest one; so do the commands, whose parsers are like it."""
+    """Takes quantities below zero, `--strain -5%`, and answers a mistyped command or option with the nearest one; so do
+    the commands, whose parsers are like it."""
+
+    def __init__(self, *arguments: Any, **options: Any) -> None:
+        super().__init__(*arguments, **options)
+        # By itself argparse takes -5 for a value, and -5% or -5mm for an option that is not there.
+        self._negative_number_matcher = re.compile(r"-\.?\d")
 
     def error(self, message: str) -> NoReturn:
         mistyped = re.search(r"invalid choice: '([^']*)'|unrecognized arguments: (--[\w-]+)", message)

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from kirigami.cli.options import add_command, add_reading, print_json, quantity, reading, speaker
-from kirigami.files import whole_file
+from kirigami.files import make_folder, whole_file
 
 DESCRIPTION = """\
 Stretch one sheet on several meshes with every rung of accuracy, from bars and hinges to shell
@@ -21,7 +21,7 @@ EPILOG = """\
 examples:
   kirigami accuracy
   kirigami accuracy plate.dxf --thickness 0.1mm --E 3.5GPa --strain 5% --sizes 8mm 5mm 3mm
-  kirigami accuracy plate.dxf --thickness 0.1mm --E 3.5GPa --reference shell.csv --error 0.02
+  kirigami accuracy plate.dxf --thickness 0.1mm --E 3.5GPa --reference shell.csv --error 2%
 
 A reference file has the columns load_factor and any of force, open_area, height (and force_error
 and its kin, if these are known). Without one, the limit of the shell rung on finer meshes is the
@@ -30,14 +30,14 @@ reference. Runs that end in another shape are told and not compared."""
 
 def add(commands: Any) -> None:
     """Options of ``kirigami accuracy``."""
-    length = quantity("length")
+    length, stress, ratio = (quantity(kind, "positive") for kind in ("length", "stress", "ratio"))
     parser = add_command(
         commands, "accuracy", run, help="compare error with time", description=DESCRIPTION, epilog=EPILOG
     )
     parser.add_argument("drawing", type=Path, nargs="?", metavar="DRAWING", help="the file")
     parser.add_argument("--thickness", type=length, default=5e-4, metavar="LENGTH", help="default: 0.5 mm")
-    parser.add_argument("--E", type=quantity("stress"), default=3.5e9, metavar="STRESS", help="default: 3.5 GPa")
-    parser.add_argument("--nu", type=float, default=0.34, metavar="RATIO", help="default: %(default)s")
+    parser.add_argument("--E", type=stress, default=3.5e9, metavar="STRESS", help="default: 3.5 GPa")
+    parser.add_argument("--nu", type=quantity("ratio"), default=0.34, metavar="RATIO", help="default: %(default)s")
     parser.add_argument(
         "--strain", type=quantity("ratio"), default=0.01, metavar="RATIO", help="strain to reach (default: 1%%)"
     )
@@ -52,9 +52,13 @@ def add(commands: Any) -> None:
     parser.add_argument(
         "--stiffness", nargs="+", default=["plate", "facet", "shell"], metavar="RUNG", help="default: plate facet shell"
     )
-    parser.add_argument("--tol", type=float, nargs="+", default=[1e-8], help="relative residuals (default: 1e-8)")
+    parser.add_argument(
+        "--tol", type=ratio, nargs="+", default=[1e-8], metavar="RATIO", help="relative residuals (default: 1e-8)"
+    )
     parser.add_argument("--reference", type=Path, metavar="CSV", help="values to compare with")
-    parser.add_argument("--error", type=float, default=0.05, help="error to recommend for (default: %(default)s)")
+    parser.add_argument(
+        "--error", type=ratio, default=0.05, metavar="RATIO", help="error to recommend for (default: 5%%)"
+    )
     parser.add_argument("--folder", type=Path, default=Path("accuracy"), help="where to write (default: %(default)s)")
     add_reading(parser)
 
@@ -82,7 +86,7 @@ def run(options: argparse.Namespace) -> int:
         model, nodes = pulled_sheet(sheet, max_edge, options.direction, options.strain, stiffness)
         return model, nodes, options.direction
 
-    options.folder.mkdir(parents=True, exist_ok=True)
+    make_folder(options.folder)
     study = kg.study.accuracy(
         case,
         sizes,

@@ -8,7 +8,8 @@ from pathlib import Path
 from typing import Any
 
 import kirigami as kg
-from kirigami.cli.options import add_command, in_words_of_the_command, print_json, speaker
+from kirigami.cli.options import add_command, in_words_of_the_command, print_json, speaker, whole_number
+from kirigami.files import make_folder
 
 DESCRIPTION = """\
 Stretch a sheet of 2 x 2.4 m with 2 x 5 curved cells (3 mm thick, E = 2.5 GPa, nu = 0.34) by 0.4 m,
@@ -45,7 +46,11 @@ def add(commands: Any) -> None:
     )
     parser.add_argument("--folder", type=Path, default=Path("demo"), help="where to write (default: %(default)s)")
     parser.add_argument(
-        "--frames", type=_frames, default=40, metavar="N", help="pictures in the animation (default: %(default)s)"
+        "--frames",
+        type=whole_number("the number of pictures", 2),
+        default=40,
+        metavar="N",
+        help="pictures in the animation (default: %(default)s)",
     )
 
 
@@ -64,7 +69,7 @@ def run(options: argparse.Namespace) -> int:
     sheet = demo_sheet()
     grips = find_grips(sheet, "y", GRIP)
     strain = PULL / grips.free_length
-    options.folder.mkdir(parents=True, exist_ok=True)  # before the work, which would be in vain without it
+    make_folder(options.folder)  # before the work, which would be in vain without it
     say(f"Stretching a sheet of 2 x 5 curved cells by {PULL} m")
     notes: list[str] = []
     try:
@@ -111,10 +116,3 @@ def demo_sheet() -> kg.Sheet:
         thickness=0.003,
         material=kg.Material(E=2.5e9, nu=0.34),
     )
-
-
-def _frames(text: str) -> int:
-    number = int(text)
-    if number < 2:
-        raise argparse.ArgumentTypeError("an animation needs at least 2 pictures")
-    return number

@@ -22,9 +22,12 @@ PYTHON = (  # what only a script can do, and what it calls otherwise
     (r"energy_release\(cut\) converges", "the energy release rate converges (in Python: results.energy_release)"),
     (r"the path so far is in error\.results; another amplitude", "what was found is written; another --imperfection"),
     (r"\bstiffness=['\"](\w+)['\"]", r"--stiffness \1"),
+    (r"give its material a density", "say --density"),
+    (r"give another path, or delete the file", "give another --folder, or delete the file"),
     (r"in the unit of the sheet", "in metres"),  # which all is that a command computes
     (r" \(force times length\)", " J"),
-    (r"^(?:stretch|LoadCase|Job(?:\.\w+)?|export|to_surface|to_html|animate|plot|units\.\w+): ", ""),
+    (r"^(?:stretch|LoadCase|Job(?:\.\w+)?|export|to_surface|to_html|animate|plot|units(?:\.\w+)?): ", ""),
+    (r"^(?:accuracy|imperfect|reading a drawing|writing a drawing|Sheet\.mesh): ", ""),
 )
 
 
@@ -60,10 +63,11 @@ def add_reading(parser: argparse.ArgumentParser) -> None:
         metavar="SHARE",
         help="join ends nearer than this share of the size, or than this length, such as 0.1mm (1e-4)",
     )
+    part, frame = whole_number("a part", 1), whole_number("a frame", 0)
     group.add_argument(
-        "--part", type=int, metavar="NUMBER", help="which part to take, where there are several; 1 is the largest"
+        "--part", type=part, metavar="NUMBER", help="which part to take, where there are several; 1 is the largest"
     )
-    group.add_argument("--frame", type=int, metavar="NUMBER", help="which frame of a FOLD file to read")
+    group.add_argument("--frame", type=frame, metavar="NUMBER", help="which frame of a FOLD file to read, from 0")
 
 
 def in_words_of_the_command(text: str) -> str:
@@ -116,6 +120,24 @@ def quantity(kind: str, sign: str = "any") -> Callable[[str], float]:
         if abs(value) > LARGEST[kind]:
             raise argparse.ArgumentTypeError(f"{text!r}: no sheet has that; is the unit right?")
         return value
+
+    return parsed
+
+
+def whole_number(what: str, least: int) -> Callable[[str], int]:
+    """A type for argparse: a whole number, not below `least`; what it is not is wrong usage.
+
+    `what` says what for, as the end of a sentence: "a budget of nodes".
+    """
+
+    def parsed(text: str) -> int:
+        try:
+            number = int(text)
+        except ValueError:
+            number = least - 1
+        if number < least:
+            raise argparse.ArgumentTypeError(f"{text!r}: {what} is a whole number of at least {least}")
+        return number
 
     return parsed
 

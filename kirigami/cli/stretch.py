@@ -17,8 +17,10 @@ from kirigami.cli.options import (
     quantity,
     reading,
     speaker,
+    whole_number,
 )
 from kirigami.errors import KirigamiError, ModelError
+from kirigami.files import make_folder
 
 DESCRIPTION = """\
 Read a drawing (.dxf, .svg, .geojson, .fold), mesh it, hold its two ends, pull, push, shear or
@@ -43,7 +45,7 @@ examples:
   kirigami stretch plate.svg --thickness 75um --E 5GPa --strain 30% --direction x --grip 5mm
   kirigami stretch plate.dxf --thickness 0.1mm --E 3.5GPa --drawn-in in --cuts red --outline black
   kirigami stretch plate.dxf --thickness 0.1mm --E 3.5GPa --nodes 1000 --json | jq .largest_force
-  kirigami stretch plate.dxf --thickness 0.1mm --E 3.5GPa --strain=-2% --direction 30 --cycle
+  kirigami stretch plate.dxf --thickness 0.1mm --E 3.5GPa --strain -2% --direction 30 --cycle
   kirigami stretch plate.dxf --thickness 0.1mm --E 3.5GPa --strain 5% --twist 90
   kirigami stretch miura.fold --thickness 0.2mm --E 3GPa --fold-angle 40 --strain 10% --direction x
   kirigami stretch spiral.svg --thickness 0.3mm --E 2GPa --hold rim --lift centre 40mm
@@ -69,7 +71,7 @@ def add(commands: Any) -> None:
     sheet = parser.add_argument_group("the sheet")
     sheet.add_argument("--thickness", type=positive, metavar="LENGTH", help="thickness of the sheet (needed)")
     sheet.add_argument("--E", type=stress, metavar="STRESS", help="Young's modulus (needed)")
-    sheet.add_argument("--nu", type=float, metavar="RATIO", help="Poisson's ratio (default: 0.34)")
+    sheet.add_argument("--nu", type=ratio, metavar="RATIO", help="Poisson's ratio (default: 0.34)")
     sheet.add_argument(
         "--fold-stiffness",
         type=quantity("force", "not negative"),
@@ -99,7 +101,7 @@ def add(commands: Any) -> None:
         type=ratio,
         metavar="RATIO",
         help="grip displacement over the length between the grips (default: 20%%, or none where something else is "
-        "done); to push, write --strain=-5%%",
+        "done); negative to push, -5%%",
     )
     pull.add_argument(
         "--direction",
@@ -138,7 +140,12 @@ def add(commands: Any) -> None:
         choices=("draft", "standard", "fine"),
         help="how much to pay for: stiffness, mesh and residual (default: standard)",
     )
-    work.add_argument("--nodes", type=_count, metavar="N", help="budget of mesh nodes (default: that of the accuracy)")
+    work.add_argument(
+        "--nodes",
+        type=whole_number("a budget of nodes", 10),
+        metavar="N",
+        help="budget of mesh nodes (default: that of the accuracy)",
+    )
     work.add_argument(
         "--max-edge", type=positive, metavar="LENGTH", help="longest edge of the mesh, instead of a budget"
     )
@@ -149,7 +156,9 @@ def add(commands: Any) -> None:
         metavar="LENGTH",
         help="height of the imperfection, which is free of stress (default: a tenth of the thickness)",
     )
-    work.add_argument("--seed", type=int, metavar="N", help="of the imperfection (default: 0)")
+    work.add_argument(
+        "--seed", type=whole_number("a seed", 0), metavar="N", help="of the imperfection (default: 0)"
+    )
     out = parser.add_argument_group("what is written")
     out.add_argument("--folder", type=Path, help="where to write (default: ./NAME-stretched)")
     out.add_argument(
@@ -182,7 +191,7 @@ def run(options: argparse.Namespace) -> int:
     measured = None if options.compare is None else read_measured(options.compare)
     folder: Path = options.folder or Path(f"{Path(str(job.drawing)).stem}-stretched")
     made = not folder.exists()
-    folder.mkdir(parents=True, exist_ok=True)  # before the work, which would be in vain without it
+    make_folder(folder)  # before the work, which would be in vain without it
     try:
         report = job.run(progress=not options.quiet, say=lambda note: say(f"  {in_words_of_the_command(note)}"))
     except (KirigamiError, OSError, KeyboardInterrupt):
@@ -283,16 +292,6 @@ def _direction(text: str) -> str | float:
     if not math.isfinite(angle):
         raise argparse.ArgumentTypeError(f"{text!r} is neither x nor y nor an angle in degrees")
     return angle
-
-
-def _count(text: str) -> int:
-    try:
-        number = int(text)
-    except ValueError:
-        number = 0
-    if number < 1:
-        raise argparse.ArgumentTypeError(f"{text!r} is no number of nodes")
-    return number
 
 
 def _names(files: list[Path], folder: Path) -> list[str]:

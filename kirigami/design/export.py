@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from kirigami.errors import ModelError
+from kirigami.files import make_folder
 from kirigami.primitives.checks import require_path, require_positive
 from kirigami.primitives.material import Material
 from kirigami.study.job import Job
@@ -55,7 +56,7 @@ def export(design: Design, folder: str | os.PathLike[str], finer: float = 2.0) -
     if not isinstance(sheet.material, Material) or sheet.thickness is None:
         raise ModelError("Design.export: a case file keeps a thickness and a Material, with E and nu")
     target = require_path(folder, "folder", "Design.export")
-    target.mkdir(parents=True, exist_ok=True)
+    make_folder(target)
     longest = design.mesh_settings.get("max_edge")
     return Job(
         sheet.to_dxf(target / "sheet.dxf"), float(sheet.thickness), sheet.material.E, sheet.material.nu, design.case,

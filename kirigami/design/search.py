@@ -19,7 +19,7 @@ from kirigami.design.design import Design
 from kirigami.design.methods import GoodEnoughError, OutOfEvaluationsError, optimise
 from kirigami.design.targets import critical_events, load_factors
 from kirigami.errors import AnalysisError, KirigamiError, KirigamiWarning, ModelError
-from kirigami.files import whole_file
+from kirigami.files import make_folder, whole_file
 from kirigami.primitives.kernel import Array
 from kirigami.results.gradients.equilibrium import weighted
 from kirigami.results.gradients.fields import of_sheet
@@ -230,7 +230,7 @@ class Search:
         from kirigami.design.picture import plot_trial
 
         folder = self.problem.pictures
-        folder.mkdir(parents=True, exist_ok=True)
+        make_folder(folder)
         design = self.branch.design
         with whole_file(folder / f"design_{len(self.history) + 1:04d}.png") as unfinished:
             plot_trial(design, self.branch.at[-1], trial.errors, self.names).savefig(unfinished, dpi=100)

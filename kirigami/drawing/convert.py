@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from kirigami.drawing.drawing import Drawing
-from kirigami.errors import GeometryError
+from kirigami.errors import GeometryError, nearest_name
 from kirigami.geometry.sheet import Sheet
 from kirigami.primitives.checks import require_not_negative
 from kirigami.primitives.material import Material
@@ -41,12 +41,18 @@ def read_drawing(path: str | os.PathLike[str], **options: Any) -> Drawing:
     Traceback (most recent call last):
     kirigami.errors.GeometryError: plate.step: drawings end in .dxf, .svg, .geojson, .json, .fold
     """
-    read = _of_format("read", path)
-    unknown = sorted(options.keys() - inspect.signature(read).parameters.keys())
+    return _read(_of_format("read", path), path, options)
+
+
+def _read(reader: Callable[..., Drawing], path: str | os.PathLike[str], options: dict[str, Any]) -> Drawing:
+    """What a reader makes of a file, once all options are ones that it has."""
+    known = list(inspect.signature(reader).parameters)
+    unknown = sorted(options.keys() - set(known))
     if unknown:
-        raise GeometryError(f"{path}: drawings of this kind are read without the option {', '.join(unknown)}")
-    drawing: Drawing = read(path, **options)
-    return drawing
+        near = nearest_name(unknown[0], known)
+        hint = f": did you mean `{near}`?" if near else ""
+        raise GeometryError(f"{path}: drawings of this kind are read without the option {', '.join(unknown)}{hint}")
+    return reader(path, **options)
 
 
 def write_drawing(item: Any, path: str | os.PathLike[str], unit: str = "m", kerf: float = 0.0) -> Path:
@@ -106,7 +112,7 @@ def _sheet_reader(name: str, kind: str) -> Callable[..., Sheet]:
         **options: Any,
     ) -> Sheet:
         function = getattr(importlib.import_module(f"kirigami.drawing.{name}"), f"read_{name}")
-        drawing: Drawing = function(path, **options)
+        drawing = _read(function, path, options)
         return drawing.sheet(thickness, material, fold_stiffness=fold_stiffness, fold_angle=fold_angle)
 
     read.__name__ = f"from_{name}"

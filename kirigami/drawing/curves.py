@@ -11,8 +11,9 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from kirigami.errors import KirigamiWarning
-from kirigami.units import metres_per
+from kirigami.errors import GeometryError, KirigamiWarning
+from kirigami.primitives.checks import shown
+from kirigami.units import METRES, metres_per
 
 Floats = NDArray[np.float64]
 
@@ -83,6 +84,10 @@ def scale_of(unit: str, drawn_in: str | None, stated: str | None, notes: list[st
         notes.append(f"no unit in the drawing: numbers taken as {unit}")
         return 1.0, unit
     source = drawn_in or stated or unit
+    if drawn_in is None and source not in METRES:
+        raise GeometryError(
+            f"the drawing is in a unit that is not known, {shown(source)}: say `drawn_in='mm'`, or what it is"
+        )
     notes.append(f"drawn in {source}, converted to {unit}")
     ratio = metres_per(source) / metres_per(unit)
     return (float(round(ratio)) if abs(ratio - round(ratio)) < 1e-12 * ratio else ratio), unit

@@ -5,7 +5,7 @@ from __future__ import annotations
 import warnings
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -231,6 +231,8 @@ def assemble(
             said,
         )
     whole = without_scrap(rim.polygon, slits, [*holes, *openings.values()], gap, measure, part)
+    if part is not None and part > max(rim.parts, whole.parts):
+        raise GeometryError(f"there is no part {part}: the drawing is of one sheet that no cut severs")
     for note in whole.notes:
         _tell(note, said)
     left: dict[tuple[int, ...], list[Any]] = {}
@@ -341,7 +343,7 @@ def _found_rim(
         inner = [curve for curve in rim.rest if curve.closed and curve.role == "outline"]
         holes = [curve for curve in inner if covered.covers(_opening(curve))]
         own = [curve for curve in rim.rest if not (curve.closed and curve.role == "outline")]
-        return Rim(rim.polygon, rim.made_of, [*own, *loose]), holes
+        return replace(rim, rest=[*own, *loose]), holes
     if not loose and bounded_by_folds:
         folds, groups["fold"] = groups["fold"], []
         said.append("no edge bounds the sheet: the outer face of the folds is the outline")

@@ -103,12 +103,17 @@ def read_geojson(
     curves = []
     for number, feature in enumerate(features):
         source = f"feature {number}"
+        if isinstance(feature, dict) and feature.get("geometry", "") is None:  # as the format allows: it has no place
+            notes.append(f"{source} has no geometry, and is left out")
+            continue
         try:
             with np.errstate(invalid="ignore"):  # coordinates that are not finite are refused by name later
                 geometry = shape(feature["geometry"])
             properties = feature.get("properties") or {}
-        except (AttributeError, KeyError, TypeError, ValueError, IndexError, shapely.errors.ShapelyError) as error:
-            raise GeometryError(f"{path}, {source}: no geometry that can be used ({error})") from None
+        except (AttributeError, KeyError, TypeError, ValueError, IndexError, shapely.errors.ShapelyError):
+            raise GeometryError(
+                f"{path}, {source}: no geometry that can be used; its type and coordinates are not as GeoJSON has them"
+            ) from None
         layer = str(next((properties[key] for key in ROLE_KEYS if properties.get(key)), ""))
         color = color_name(str(properties.get("stroke") or ""))  # as simplestyle-spec has it
         for line in _lines(geometry, f"{path}, {source}"):

@@ -39,12 +39,15 @@ class Rim:
         All others; of those that follow the rim in part, what leaves it.
     note : str
         What the user must be told.
+    parts : int
+        How many sheets lie side by side, of which this one may be picked.
     """
 
     polygon: Any
     made_of: list[Curve]
     rest: list[Curve]
     note: str = ""
+    parts: int = 1
 
 
 def find_rim(
@@ -98,10 +101,10 @@ def find_rim(
         raise open_outline(chains, raw, 0.0, gap, measure)
     if part is None and len(blobs) > 1 and blobs[1].area > LARGE * blobs[0].area:
         _refuse_crossing(closed, chains)
-    body = _picked(blobs, part, measure)
+    body, parts = _picked(blobs, part, measure)
     if part is None:
         _refuse_open(lines, body, chains, raw, gap, measure)
-    return _rim_of(lines, body, chains, sound)
+    return replace(_rim_of(lines, body, chains, sound), parts=parts)
 
 
 def _refuse_open(
@@ -159,7 +162,8 @@ def _blobs(lines: Network, edges: Any) -> list[Any]:
     return sorted(parts, key=lambda part: -part.area)
 
 
-def _picked(blobs: list[Any], part: int | None, measure: Measure) -> Any:
+def _picked(blobs: list[Any], part: int | None, measure: Measure) -> tuple[Any, int]:
+    """The part that is wanted, and how many may be."""
     large = [blob for blob in blobs if blob.area > LARGE * blobs[0].area]
     told = "; ".join(
         f"part {number}: {measure.box(blob.bounds)}, area {measure.area(blob.area)}"
@@ -173,8 +177,8 @@ def _picked(blobs: list[Any], part: int | None, measure: Measure) -> Any:
     if part is not None and len(large) > 1:
         if not 1 <= part <= len(large):
             raise GeometryError(f"there is no part {part}: {told}")
-        return large[part - 1]
-    return blobs[0]
+        return large[part - 1], len(large)
+    return blobs[0], 1
 
 
 def _rim_of(lines: Network, body: Any, chains: Sequence[Curve], sound: list[tuple[int, Any]]) -> Rim:

@@ -83,7 +83,8 @@ def strokes(sheet: Any, folds: Iterable[Any] = (), kerf: float = 0.0, arcs: bool
     extra = folds_of(sheet, folds)
     size = max(np.ptp(np.reshape(sheet.outline.bounds, (2, 2)), axis=0).tolist())
     if kerf and not NARROWEST * size < kerf < size:
-        raise GeometryError(f"writing a drawing: a kerf of {kerf:.6g} is none for a sheet of {size:.6g}")
+        amiss = "wide" if kerf >= size else "narrow"
+        raise GeometryError(f"writing a drawing: a kerf of {kerf:.6g} is too {amiss} for a sheet of {size:.6g}")
     ink = getattr(sheet, "ink", None) or Ink()
     circles = getattr(sheet, "circles", NONE) if arcs else NONE
     outline, cuts = sheet.outline, list(sheet.cuts)

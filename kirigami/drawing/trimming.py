@@ -88,7 +88,7 @@ def trimmed(curves: Sequence[Curve], rim: Any, gap: float) -> Trimmed:
 class Whole:
     """The sheet without its scrap: the rim, the slits that are left, the openings that scrap has left, and notes.
 
-    `body` is what is left of the sheet, or None where nothing fell out.
+    `body` is what is left of the sheet, or None where nothing fell out, `parts` how many there were to pick from.
     """
 
     rim: Any
@@ -96,6 +96,7 @@ class Whole:
     openings: list[Any]
     notes: list[str]
     body: Any = None
+    parts: int = 1
 
     def bounded_by(self, shape: Any, gap: float) -> bool:
         """Whether a hole still is one of the sheet, and not of what fell out."""
@@ -185,7 +186,7 @@ def without_scrap(
     verb = "falls" if len(scrap) == 1 else "fall"
     note = f"{counted(len(scrap), 'piece')} that cuts sever {verb} out: {'; '.join(fallen[:6])}{more}"
     openings = [shapely.Polygon(faces[k].exterior) for k in inner]
-    return Whole(new_rim, left_slits, openings, [note], faces[kept])
+    return Whole(new_rim, left_slits, openings, [note], faces[kept], len(large))
 
 
 def _touching(rim: Any, slits: Sequence[Curve], holes: Sequence[Any], gap: float) -> list[int]:

@@ -74,7 +74,7 @@ class SelfContact(ModelObject):
 
     Examples
     --------
-    A strip with clamped ends is pushed together until its legs touch, at 0.849 of its length:
+    To be added to the model of a sheet; parts of it, or it and an obstacle, keep 2 mm apart:
 
     >>> import kirigami as kg
     >>> contact = kg.SelfContact(thickness=0.002)

@@ -46,12 +46,11 @@ Constant = float | Array  # of the whole sheet, or of each facet
 
 def rung_named(stiffness: str, owner: str) -> str:
     """The rung of a name, also of an earlier version's, or a ModelError with the names there are."""
-    name: str = require_choice(stiffness, (*RUNGS, *ALIASES), "stiffness", owner)
-    if name not in ALIASES:
-        return name
-    successor = ALIASES[name]
-    warnings.warn(f"{owner}: {name!r} is an old name, use stiffness={successor!r}", DeprecationWarning, stacklevel=3)
-    return successor
+    if not (isinstance(stiffness, str) and stiffness in ALIASES):
+        return require_choice(stiffness, RUNGS, "stiffness", owner)  # an old name is taken, but not proposed
+    new = ALIASES[stiffness]
+    warnings.warn(f"{owner}: {stiffness!r} is an old name, use stiffness={new!r}", DeprecationWarning, stacklevel=3)
+    return new
 
 
 @dataclass(frozen=True)
@@ -93,8 +92,8 @@ class Calibration:
         require_instance(material, SheetMaterial, "material", "Calibration.named")
         if isinstance(stiffness, Calibration):
             return stiffness
-        known = (*RUNGS, *ALIASES)
-        require_choice(stiffness, known, "stiffness", "Model.from_mesh", or_else="a Calibration(F_s, c)")
+        if not (isinstance(stiffness, str) and stiffness in ALIASES):
+            require_choice(stiffness, RUNGS, "stiffness", "Model.from_mesh", or_else="a Calibration(F_s, c)")
         if stiffness == "paper":
             return cls(F_s=0.85, c=0.125 / 48)
         return cls(F_s=1.0, c=_plate_factor(getattr(material, "nu", 0.0)))

@@ -428,10 +428,9 @@ def _require_apart(cuts: Sequence[BaseGeometry], advice: str) -> None:
     if touching.size:
         first, second = cuts[one[touching[0]]], cuts[other[touching[0]]]
         place = shapely.shortest_line(first, second).coords[0]
-        raise GeometryError(
-            f"cuts {one[touching[0]]} and {other[touching[0]]} touch at ({place[0]:.6g}, {place[1]:.6g}), and so do "
-            f"{counted(touching.size - 1, 'more pair')}: {advice}"
-        )
+        more = f", and so do {counted(touching.size - 1, 'more pair')}" if touching.size > 1 else ""
+        pair = f"cuts {one[touching[0]]} and {other[touching[0]]}"
+        raise GeometryError(f"{pair} touch at ({place[0]:.6g}, {place[1]:.6g}){more}: {advice}")
 
 
 def _counts(owner: str, **values: int) -> None:

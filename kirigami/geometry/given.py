@@ -43,6 +43,8 @@ def checked_outline(outline: Any) -> shapely.Polygon:
 def checked_line_or_polygon(geometry: BaseGeometry, what: str) -> BaseGeometry:
     if not isinstance(geometry, (shapely.LineString, shapely.Polygon)):
         raise GeometryError(f"{what} is a {geometry.geom_type}; only lines (slits) and polygons (openings) can be cut")
+    if geometry.is_empty:
+        raise GeometryError(f"{what} is empty")
     coordinates = shapely.get_coordinates(geometry)
     _check_finite(coordinates, what)
     geometry = _in_plane(geometry, what)

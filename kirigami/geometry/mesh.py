@@ -328,7 +328,7 @@ class TriMesh:
             if loops:
                 return np.unique(np.concatenate(loops))
         members = sorted(number for cut in self.cuts for number in cut.members)
-        cut_names = f"cut:{members[0]} to cut:{members[-1]}" if members else "no cuts"
+        cut_names = " to ".join(f"cut:{number}" for number in dict.fromkeys([*members[:1], *members[-1:]])) or "no cuts"
         raise GeometryError(
             f"the mesh has no boundary or set named {name!r}; there are {', '.join([*SIDES, 'outer', 'free'])}, "
             f"{cut_names}, and {'the sets ' + ', '.join(self.sets) if self.sets else 'no sets'}"

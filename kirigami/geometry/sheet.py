@@ -231,6 +231,11 @@ class Sheet:
         )
         # rounded so that the same drawing in another unit gives the same mesh
         longest, at_cuts = (float(f"{min(length, WIDE):.12g}") for length in (max_edge / extent, cut_edge / extent))
+        if snap is None and relative < SMALLEST_SNAP:
+            raise GeometryError(
+                f"edges of {max_edge:.4g}, along cuts {cut_edge:.4g}, are too short for a sheet of {extent:.4g}: "
+                "take longer ones"
+            )
         snap = _checked_snap(relative, extent)
         drawing = clean(self.outline, self.cuts, [*geometries, *creases], snap, at_cuts / DENSE, allow_parts, mesher)
         local = None
@@ -380,7 +385,7 @@ def _checked_snap(relative: float, extent: float) -> float:
     if not SMALLEST_SNAP <= relative <= 1e-2:
         raise GeometryError(
             f"details can be snapped at {SMALLEST_SNAP * extent:.3g} to {1e-2 * extent:.3g} for a sheet of this size, "
-            f"not at {relative * extent:.3g}: give another `snap`, or a longer cut_edge, which it goes with"
+            f"not at {relative * extent:.3g}: give another `snap`"
         )
     return float(f"{relative:.12g}")
 

@@ -15,6 +15,7 @@ from kirigami.drawing.drawing import Drawing
 from kirigami.errors import GeometryError
 from kirigami.files import library, whole_file
 from kirigami.geometry.mesh import TriMesh
+from kirigami.primitives.checks import require_path
 from kirigami.results.archive import load
 from kirigami.results.results import Results
 
@@ -128,6 +129,8 @@ def mesh_drawing(
     >>> round(float(mesh_drawing(file, "20mm").facet_areas.sum()), 12)
     0.02
     """
+    if output is not None:
+        _require_mesh_ending(require_path(output, "output", "mesh_drawing", GeometryError))
     drawing = read_drawing(path, **{**reading, "unit": "m"})
     edge = None if max_edge is None else units.parse(max_edge, "length")
     mesh = drawing.sheet().mesh(edge)
@@ -160,18 +163,30 @@ def write_mesh(mesh: TriMesh, path: str | os.PathLike[str]) -> Path:
     >>> write_mesh(mesh, Path(tempfile.mkdtemp()) / "one.fold").name
     'one.fold'
     """
-    target = Path(path)
-    if target.suffix.lower() == ".fold":
+    target = require_path(path, "path", "write_mesh", GeometryError)
+    meshio = _require_mesh_ending(target)
+    if meshio is None:
         from kirigami.drawing.fold import write_fold
 
         return write_fold(mesh, target)
-    meshio = library("meshio", "writing meshes")
     try:
         with whole_file(target) as unfinished:
             meshio.Mesh(np.array(mesh.nodes), [("triangle", np.array(mesh.triangles))]).write(unfinished)
-    except (meshio.ReadError, meshio.WriteError, KeyError) as error:
-        raise GeometryError(f"{target}: no format for this ending ({error})") from None
+    except (meshio.ReadError, meshio.WriteError, KeyError):
+        raise GeometryError(f"{target}: no format for this ending: it does not take triangles") from None
     return target
+
+
+def _require_mesh_ending(target: Path) -> Any:
+    """The library that writes meshes of this ending; None where that is this package."""
+    ending = target.suffix.lower()
+    if ending == ".fold":
+        return None
+    meshio = library("meshio", "writing meshes")
+    if ending not in meshio.extension_to_filetypes:
+        known = ", ".join(sorted(meshio.extension_to_filetypes))
+        raise GeometryError(f"{target}: no format for this ending; meshes end in .fold, {known}")
+    return meshio
 
 
 PICTURES, FILMS = (".png", ".pdf", ".svg"), (".gif", ".mp4")

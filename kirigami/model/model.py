@@ -371,7 +371,7 @@ class Model:
 
     @property
     def elements(self) -> tuple[Any, ...]:
-        """Bars, hinges and springs, in the order added."""
+        """Bars, hinges, springs and facets, in the order added."""
         return self._all("element")
 
     @property

@@ -240,7 +240,7 @@ class Kernel:
         return found._replace(hessian=None), product
 
     def stiffness_size(self, x: Array, lam: float) -> Array:
-        """Root of the sum of squares (n,) of the Hessian of each member at positions `x`; see above."""
+        """Root of the sum of squares (n,) of the Hessian of each member at positions `x`."""
         hessian = hessian_blocks(self, x, lam).reshape(len(self.conn), -1)
         return np.asarray(np.sqrt(np.einsum("nk,nk->n", hessian, hessian)))
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import time
+import warnings
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
@@ -11,9 +12,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from kirigami.analysis.path.checkpoint import fingerprint
 from kirigami.analysis.path.methods import DisplacementControl
 from kirigami.elements.stiffness import RUNGS, rung_named
-from kirigami.errors import ModelError
+from kirigami.errors import AnalysisError, KirigamiWarning, ModelError
 from kirigami.model.model import Model
 from kirigami.primitives.checks import (
     require_array,
@@ -33,6 +35,7 @@ from kirigami.study.reference import QUANTITIES, Reference, limit_reference, rea
 from kirigami.study.shape.prints import print_distance, shape_print
 from kirigami.sweep.sweep import Sweep
 from kirigami.sweep.table import SweepTable
+from kirigami.system.system import System
 from kirigami.words import percent
 
 if TYPE_CHECKING:
@@ -249,7 +252,7 @@ def accuracy(
     ModelError
         No sizes, unknown rungs, a reference without the load factors asked for.
     AnalysisError
-        The log at `path` belongs to another study.
+        The log at `path` belongs to another study, or to one of another sheet; or every run failed.
 
     Examples
     --------
@@ -285,14 +288,29 @@ def accuracy(
     def run(stiffness: str, max_edge: float, tol: float) -> dict[str, float | str]:
         return measured(case, stiffness, max_edge, tol, targets)
 
-    run.__qualname__ = f"accuracy on one shape at {targets}"
+    run.__qualname__ = f"accuracy of sheet {_mark(case, designs)} on one shape at {targets}"
     with ThreadPoolExecutor(1) as alone:
         table = Sweep(run, designs, path).run(alone, progress=progress)
     rows = [dict(row) for row in table]
+    if len(table.failed) == len(rows):
+        raise AnalysisError(f"accuracy: all {len(rows)} runs failed, the first one by {rows[0]['error']}")
     if given is not None:
         return AccuracyStudy(table, load_factors, given, _shapes(_finest(rows), targets), alike)
     judges = [rows[designs.index(design)] for design in finer]
     return AccuracyStudy(table, load_factors, _limit(judges, targets, alike), _shapes(judges[-1], targets), alike)
+
+
+def _mark(case: Case, designs: Sequence[Mapping[str, Any]]) -> str:
+    """What tells the sheet of a study from another one, with its supports and drive: a digest of its coarsest model."""
+    for design in sorted(designs, key=lambda design: -float(design["max_edge"])):
+        try:
+            with warnings.catch_warnings():
+                warnings.simplefilter("ignore", KirigamiWarning)  # the run itself will tell
+                model = case(design["max_edge"], design["stiffness"])[0]
+                return fingerprint(System(model), DisplacementControl(model))[:8]
+        except Exception:  # whatever it is, it will be in the row of the run
+            continue
+    return "unknown"
 
 
 def _finest(rows: Sequence[Mapping[str, Any]]) -> Mapping[str, Any]:

@@ -63,8 +63,13 @@ def draw_accuracy(study: AccuracyStudy, others: Mapping[str, Mapping[str, tuple[
             if quantity in points:
                 error, seconds_there = points[quantity]
                 ax.plot([seconds_there], [100 * error], color="black", marker="*x+"[number % 3], lw=0, label=name)
-        ax.set(xscale="log", yscale="log", xlabel="CPU seconds", title=quantity.replace("_", " "))
+        ax.set(xlabel="CPU seconds", title=quantity.replace("_", " "))
         ax.grid(True, which="both", lw=0.3, alpha=0.5)
+        if not np.isfinite(ax.dataLim.minpos).all():  # a logarithmic axis needs something to show
+            ax.text(0.5, 0.5, "nothing to compare", ha="center", va="center", transform=ax.transAxes)
+            ax.set(xticks=[], yticks=[])
+            continue
+        ax.set(xscale="log", yscale="log")
         for axis in (ax.xaxis, ax.yaxis):
             axis.set_major_formatter("{x:g}")
             axis.set_minor_formatter(Plain(labelOnlyBase=False, minor_thresholds=(1.2, 0.5)))

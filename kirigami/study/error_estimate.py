@@ -196,7 +196,8 @@ def estimate_error(results: Results, step: int = -1) -> ErrorEstimate:
     -------
     ErrorEstimate
         What discretisation adds to the energy; what a rung gets wrong on any mesh (such as the constants of "paper")
-        is not seen. On rungs without normals the curvature is smooth already, and its error comes out too small.
+        is not seen. On "plate" and "facet" the curvature comes from angles between facets, which is smooth already, and
+        its error comes out too small.
 
     Raises
     ------

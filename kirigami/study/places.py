@@ -92,9 +92,10 @@ class Place:
             shape = shapely.box(*self.numbers)
         away = float(shapely.distance(_material(sheet), shape))
         if away > (ON_SHEET * size if shape.geom_type == "Point" else 0.0):
+            low, high = (sheet.scale.place(corner, 6) for corner in ((xmin, ymin), (xmax, ymax)))
+            far = units.show(away, "length") if sheet.scale.length else f"{away:.4g}"
             raise ModelError(
-                f"the place {self.text!r} is not on the sheet, but {away:.4g} beside it; the sheet spans x {xmin:.6g} "
-                f"to {xmax:.6g}, y {ymin:.6g} to {ymax:.6g}"
+                f"the place {self.text!r} is not on the sheet, but {far} beside it; the sheet spans {low} to {high}"
             )
         return shape
 

@@ -130,7 +130,9 @@ def read_reference(
             with open(path, newline="") as file:
                 rows = list(csv.DictReader(line for line in file if not line.startswith("#")))
             columns = {name: np.array([float(row[name]) for row in rows]) for name in (rows[0] if rows else {})}
-        except (OSError, ValueError, TypeError) as error:
+        except OSError as error:
+            raise ModelError(f"accuracy: cannot read {owner}: {error.strerror or error}") from None
+        except (ValueError, TypeError) as error:
             raise ModelError(f"accuracy: {owner} cannot be read as a table of numbers ({error})") from None
     lam = columns.get("load_factor")
     if lam is None or not set(QUANTITIES) & set(columns):

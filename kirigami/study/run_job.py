@@ -153,7 +153,10 @@ def run_job(job: Job, progress: bool, say: Callable[[str], None]) -> Report:
     sheet = drawn.sheet(thick, material, fold_stiffness=stiffness, fold_angle=angle)
     setting = set_up(case, sheet)
     grips, drive = setting.grips, setting.drives[0]
-    for doubt in units.doubts(thickness=thick, size=max(_size(sheet.bounds)), E=modulus, strain=case.strain):
+    for doubt in units.doubts(
+        thickness=thick, size=max(_size(sheet.bounds)), E=modulus, strain=case.strain,
+        imperfection=_length(job.imperfection) or 0.0,
+    ):  # fmt: skip
         warnings.warn(doubt, KirigamiWarning, stacklevel=2)
     for words in drawn.notes:
         note(words)

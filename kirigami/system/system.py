@@ -86,7 +86,7 @@ class System(Lowered):
         return {} if self.couplings is None else {"couplings": self.couplings.pairs}
 
     def remember(self, memory: Mapping[str, Any]) -> None:
-        """Take that over."""
+        """Take over what the :attr:`memory` of the run that was interrupted held."""
         if self.couplings is not None:
             self.couplings.remember(memory.get("couplings", ()))
 
@@ -162,13 +162,13 @@ class System(Lowered):
         return self.load_rate_beside(self.drive_rate(lam, blocks), u, lam)
 
     def drive_rate(self, lam: float, blocks: Array) -> Array:
-        """The part (n, dim) of it that comes from what is driven: all that is asked of the blocks."""
+        """The part (n, dim) of :meth:`load_rate` that comes from what is driven: all that is asked of the blocks."""
         with self.clock("assembly"):
             drive = self.drive_at(lam).reshape(self.rest.shape)
             return self.multiply(blocks, drive) if drive.any() else np.zeros_like(drive)
 
     def load_rate_beside(self, drive_rate: Array, u: Array, lam: float) -> Array:
-        """Change of the residual (free,) with the load factor at fixed unknowns, with that part of it known."""
+        """What :meth:`load_rate` is (free,), with the part of it that :meth:`drive_rate` gives known."""
         x, rate = self.configuration(u), drive_rate.copy()
         loads = rate if self.grips is None else np.zeros_like(rate)
         for kernel in self.kernels:

@@ -455,5 +455,6 @@ CALLS: dict[str, Callable[[], Call]] = {
     "units.metres_per": lambda: (units("metres_per"), {"unit": "mm"}),
     "units.parse": lambda: (units("parse"), {"text": "1mm", "kind": "length"}),
     "units.show": lambda: (units("show"), {"value": 1.0, "kind": "length"}),
-    "units.doubts": lambda: (units("doubts"), {"thickness": 1e-4, "size": 0.1, "E": 1e9, "strain": 0.1}),
+    "units.doubts": lambda: (units("doubts"), {"thickness": 1e-4, "size": 0.1, "E": 1e9, "strain": 0.1,
+                                               "imperfection": 1e-5}),
 }

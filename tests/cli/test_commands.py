@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import json
 import os
+import re
+import shlex
 import subprocess
 import sys
 from pathlib import Path
@@ -50,6 +52,12 @@ def test_what_is_mistyped_is_answered_with_the_nearest_name(
         ["stretch", PLATE, *SHEET, "--direction", "z"],
         ["stretch", PLATE, *SHEET, "--direction", "nan"],
         ["stretch", PLATE, *SHEET, "--nodes", "0"],
+        ["stretch", PLATE, *SHEET, "--seed", "-1"],
+        ["stretch", PLATE, *SHEET, "--nu", "many"],
+        ["stretch", PLATE, *SHEET, "--part", "one"],
+        ["accuracy", PLATE, "--error", "-1%"],
+        ["accuracy", PLATE, "--tol", "nan"],
+        ["accuracy", PLATE, "--sizes", "5mm", "0"],
         ["stretch", PLATE, *SHEET, "--accuracy", "best"],
         ["mesh", PLATE, "--max-edge", "2 cubits"],
         ["export", PLATE],
@@ -59,7 +67,34 @@ def test_wrong_usage_ends_with_2(words: list[str], capsys: pytest.CaptureFixture
     with pytest.raises(SystemExit) as ended:
         cli.main(words)
     assert ended.value.code == 2
-    assert capsys.readouterr().err.startswith("usage: kirigami")
+    said = capsys.readouterr().err
+    assert said.startswith("usage: kirigami")
+    assert not re.search(r"invalid (_|float|int)", said)  # the name of a function or a type is no help
+
+
+@pytest.mark.parametrize("value, meant", [("-5%", -0.05), ("-0.05", -0.05), ("-.05", -0.05), ("-5e-2", -0.05)])
+def test_quantities_below_zero_are_written_like_others(value: str, meant: float) -> None:
+    """Python's parser takes -5 for a value, and -5% for an option that is not there."""
+    options = cli.make_parser().parse_args(["stretch", PLATE, *SHEET, "--strain", value, "--lift", "-1mm,0", "2mm"])
+    assert options.strain == pytest.approx(meant) and options.lift == [["-1mm,0", "2mm"]]
+
+
+def test_what_must_not_be_below_zero_is_said_to_be_so(capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit):
+        cli.main(["stretch", PLATE, "--thickness", "0.1mm", "--E", "-3.5GPa"])
+    assert capsys.readouterr().err.endswith("argument --E: '-3.5GPa': must be positive\n")
+
+
+@pytest.mark.parametrize("words", [["demo"], ["stretch", PLATE, *SHEET], ["accuracy", PLATE]])
+def test_a_folder_that_is_a_file_is_told(
+    words: list[str], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    file = tmp_path / "report"
+    file.write_text("not to be lost")
+    for folder in (file, file / "inside"):
+        assert cli.main([*words, "--folder", str(folder)]) == 1
+        assert capsys.readouterr().err == f"kirigami: cannot make the folder {folder}: {file} is a file\n"
+    assert file.read_text() == "not to be lost"
 
 
 def test_wrong_units_are_explained(capsys: pytest.CaptureFixture[str]) -> None:
@@ -104,6 +139,32 @@ def test_help_is_quick_and_fits(command: str) -> None:
     for example in examples:
         words = example.partition(" |")[0].partition("    ")[0].split()[1:]
         assert cli.make_parser().parse_args(words).command == command
+
+
+def test_commands_on_pages_are_ones_that_there_are() -> None:
+    """With all their options, and values of the right kind."""
+    root = Path(__file__).parents[2]
+    pages = [root / "README.md", *sorted((root / "docs").glob("*.md")), *sorted((root / "tutorials").glob("*.py"))]
+    found = 0
+    for page in pages:
+        text = page.read_text(encoding="utf-8")
+        for line in re.findall(r"^(?:# |\$ )?(kirigami [a-z]+ [^#\n]+)", text, re.MULTILINE):
+            words = shlex.split(line)[1:]
+            assert cli.make_parser().parse_args(words).command == words[0], f"{page.name}: {line}"
+            found += 1
+    assert found > 10
+
+
+@pytest.mark.parametrize("page", ["command_line", "drawings", "maker_session"])
+def test_options_on_pages_are_ones_that_there_are(page: str, capsys: pytest.CaptureFixture[str]) -> None:
+    there = set()
+    for command in COMMANDS:
+        with pytest.raises(SystemExit):
+            cli.main([command, "--help"])
+        there |= set(re.findall(r"--[\w-]+", capsys.readouterr().out))
+    text = (Path(__file__).parents[2] / "docs" / f"{page}.md").read_text(encoding="utf-8")
+    named = set(re.findall(r"(?<![\w-])--[a-z][\w-]*", text))
+    assert named and named <= there, named - there
 
 
 def test_a_closed_pipe_ends_quietly() -> None:

@@ -233,6 +233,14 @@ BAD = {
     "nan.geojson": (
         '{"type": "LineString", "coordinates": [[0, 0], [NaN, 1]]}', "feature 0 has a coordinate that is not finite"
     ),
+    "far_unit.geojson": (
+        '{"type": "Polygon", "unit": "parsec", "coordinates": [[[0, 0], [1, 0], [0, 1], [0, 0]]]}',
+        "a unit that is not known, 'parsec': say `drawn_in='mm'`",
+    ),
+    "no_numbers.geojson": (
+        '{"type": "LineString", "coordinates": [[0, 0], [null, 1]]}',
+        "feature 0: no geometry that can be used; its type and coordinates are not as GeoJSON",
+    ),
     "point.geojson": ('{"type": "Point", "coordinates": [0, 0]}', "feature 0: a Point is neither"),
     "shape.geojson": (
         '{"type": "FeatureCollection", "features": [{"geometry": {"type": "LineString"}}]}', "feature 0: no geometry"
@@ -355,3 +363,28 @@ def test_a_drawing_in_metres_is_drawn_in_what_suits_its_size() -> None:
     ax = plot_drawing(Drawing(shapely.box(0, 0, 0.1, 0.06), (), unit="m"))
     ax.figure.canvas.draw()
     assert ax.get_xlabel() == "x [mm]" and "100" in [tick.get_text() for tick in ax.get_xticklabels()]
+
+
+def test_a_part_that_is_not_there_is_refused(tmp_path: Path) -> None:
+    """It used to be taken for the first one, in silence, where there is only one."""
+    file = tmp_path / "plate.geojson"
+    write_geojson(kg.Sheet(shapely.box(0, 0, 0.2, 0.1)), file)
+    assert read_geojson(file, part=1).outline.area == pytest.approx(0.02)
+    with pytest.raises(kg.GeometryError, match="there is no part 2: the drawing is of one sheet that no cut severs"):
+        read_geojson(file, part=2)
+    severed = kg.Sheet(shapely.box(0, 0, 0.2, 0.1), shapely.LineString([(0.05, 0), (0.05, 0.1)]))
+    write_geojson(severed, file)
+    assert [read_geojson(file, part=part).outline.area for part in (1, 2)] == pytest.approx([0.015, 0.005])
+    with pytest.raises(kg.GeometryError, match="there is no part 3: part 1: .* part 2: "):
+        read_geojson(file, part=3)
+
+
+def test_a_feature_without_a_place_is_left_out_and_told(tmp_path: Path) -> None:
+    file = tmp_path / "plate.geojson"
+    write_geojson(kg.Sheet(shapely.box(0, 0, 0.2, 0.1)), file)
+    data = json.loads(file.read_text())
+    data["features"].append({"type": "Feature", "properties": {}, "geometry": None})
+    file.write_text(json.dumps(data))
+    drawing = read_geojson(file)
+    assert drawing.outline.area == pytest.approx(0.02)
+    assert "feature 1 has no geometry, and is left out" in drawing.notes

@@ -160,6 +160,8 @@ def test_meshes_are_written(tmp_path: Path) -> None:
     assert np.array_equal(meshio.read(path).points, mesh.nodes)
     with pytest.raises(kg.GeometryError, match="no format for this ending"):
         write_mesh(mesh, tmp_path / "plate.xyz123")
+    with pytest.raises(kg.GeometryError, match=r"there\.xyz: no format for this ending; meshes end in \.fold, .*\.vtu"):
+        mesh_drawing(tmp_path / "absent.svg", output=tmp_path / "there.xyz")  # said before anything is read or meshed
     assert list(tmp_path.iterdir()) == [path]
 
 
