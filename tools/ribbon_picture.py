@@ -39,10 +39,10 @@ def draw(shapes: list[tuple[str, Results]]) -> Any:
     """Shapes side by side, under one view."""
     from matplotlib import pyplot
 
-    figure = pyplot.figure(figsize=(9.6, 4.2), layout="constrained")
+    figure = pyplot.figure(figsize=(10.4, 4.2), layout="constrained")
     for place, (title, results) in enumerate(shapes, start=1):
         ax = figure.add_subplot(1, len(shapes), place, projection="3d")
-        results.plot(ax=ax, colorbar=False)
+        results.plot(ax=ax)
         ax.set_title(title, y=0.93)
         ax.set_axis_off()
     return figure
@@ -60,6 +60,7 @@ def main() -> None:
     for title, step in (("where a slow pull leads", pulled[-1]), ("the least energy known", found[0].step)):
         results = Results(kg.System(m))
         results.append(step)
+        results.units = "SI"
         shape = found.which(step)
         assert shape is not None
         drawn.append((f"{title}: {1e3 * shape.energy:.1f} mJ, {shape.force:.2f} N", results))

@@ -82,14 +82,19 @@ def draw_paper(ax: Any, outline: Any, cuts: Iterable[Any], fill: Any) -> None:
 def _draw_polygon(ax: Any, polygon: Any, fill: Any) -> None:
     """Fill a polygon and draw its rims."""
     from matplotlib.patches import PathPatch
+
+    ax.add_patch(PathPatch(_path(polygon), facecolor=fill, edgecolor=style.INK, linewidth=0.8))
+
+
+def _path(polygon: Any) -> Any:
+    """A polygon as matplotlib fills it."""
     from matplotlib.path import Path
     from shapely.geometry.polygon import orient
 
     polygon = orient(polygon)  # rings that run the other way round stay empty
     rings = [np.asarray(ring.coords)[:, :2] for ring in (polygon.exterior, *polygon.interiors)]
     codes = [[Path.MOVETO, *[Path.LINETO] * (len(ring) - 2), Path.CLOSEPOLY] for ring in rings]
-    path = Path(np.concatenate(rings), np.concatenate(codes))
-    ax.add_patch(PathPatch(path, facecolor=fill, edgecolor=style.INK, linewidth=0.8))
+    return Path(np.concatenate(rings), np.concatenate(codes))
 
 
 @style.styled
@@ -301,10 +306,17 @@ class _Sketch:
             from mpl_toolkits.mplot3d.art3d import Poly3DCollection
 
             self.ax.add_collection3d(Poly3DCollection(corners, alpha=alpha, **options))
-        else:
+        elif alpha == 1.0:
             from matplotlib.collections import PolyCollection
 
-            self.ax.add_collection(PolyCollection(list(corners[..., :2]), alpha=alpha, **options))
+            self.ax.add_collection(PolyCollection(list(corners[..., :2]), **options))
+        else:  # where one sees through, seams between facets would show
+            import shapely
+            from matplotlib.patches import PathPatch
+
+            for part in shapely.get_parts(shapely.union_all(shapely.polygons(corners[..., :2]))):
+                self.ax.add_patch(PathPatch(_path(part), facecolor=color, lw=0, label=label, alpha=alpha))
+                label = None
 
     def _lines(self, lines: list[Floats], width: float) -> None:
         if self.solid:
