@@ -159,6 +159,12 @@ def test_the_picture_tells_every_run() -> None:
     assert any("branch 1" in title for title in titles)
     texts = [text.get_text() for ax in figure.axes for text in ax.texts]
     assert texts.count("1") == 2
+    # Heights are grey where they are nothing: a shape that is all on one side has the colours of that side.
+    height = study.final(1).position()[-1, :, 2]
+    side = 1 if height.max() > -height.min() else -1
+    assert (side * height).min() > -0.01 * np.abs(height).max()
+    (red, _, blue), grey = figure.axes[0].collections[0].get_facecolor()[:, :3].T, 0.04
+    assert (side * (blue - red)).max() <= grey < np.abs(blue - red).max()
     pyplot.close(figure)
 
 

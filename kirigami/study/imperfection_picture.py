@@ -4,8 +4,12 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from kirigami.errors import ModelError
 from kirigami.plot import style
+from kirigami.plot.deformed import Picture, frame
+from kirigami.plot.field import Field
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -13,6 +17,7 @@ if TYPE_CHECKING:
     from kirigami.study.imperfections import ImperfectionStudy
 
 MOST = 6  # final shapes drawn
+VIEW = (40.0, -60.0)
 COLORS = (style.BLUE, style.VERMILION, style.GREEN, "#cc79a7", "#e69f00", "#56b4e9")
 
 
@@ -31,13 +36,14 @@ def draw_study(study: ImperfectionStudy) -> Figure:
     if not numbers:
         raise ModelError("no run of the study reached its end, so there is no final shape to draw")
     drawn = numbers[:MOST]
+    largest = max(float(np.abs(study.final(number).position()[-1, :, 2]).max()) for number in drawn)
     figure = pyplot.figure(figsize=(max(2.0 * len(drawn), 5.2), 5.2), layout="constrained")
     parts: Any = figure.subfigures(2, 1, height_ratios=(1.0, 1.15))
     above, below = parts
     solid = study.model.dim == 3
     for place, number in enumerate(drawn):
         ax = above.add_subplot(1, len(drawn), place + 1, projection="3d" if solid else None)
-        _draw_shape(study, ax, number)
+        _draw_shape(study, ax, number, largest)
         energy = min(case.energy for case in study.branches[number])
         ax.set_title(f"branch {number}\nenergy {energy:.4g}", color=_color(number))
     if solid:
@@ -50,13 +56,17 @@ def _color(number: int) -> str:
     return COLORS[(number - 1) % len(COLORS)]
 
 
-def _draw_shape(study: ImperfectionStudy, ax: Any, number: int) -> None:
+def _draw_shape(study: ImperfectionStudy, ax: Any, number: int, largest: float) -> None:
+    """A final shape; in space by its heights, grey where they are nothing, up to the `largest` of all shapes."""
     results = study.final(number)
-    solid = study.model.dim == 3
-    results.plot(ax=ax, colorbar=False, cmap=style.diverging_map() if solid else None)
-    if solid:
-        ax.set_proj_type("ortho")
-        ax.view_init(elev=40, azim=-60)
+    if study.model.dim == 3:
+        field, points = Field(results, None, smooth=True), results.position()[-1]
+        picture = Picture(results, ax, field, cmap=style.diverging_map(), fine=True)
+        picture.scale_colors(np.array([-largest, largest]))
+        frame(ax, points, VIEW)
+        picture.update(points, field.at(len(results) - 1))
+    else:
+        results.plot(ax=ax, colorbar=False)
     ax.set_axis_off()
 
 

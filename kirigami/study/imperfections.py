@@ -150,7 +150,8 @@ class ImperfectionStudy:
         for number, cases in self.branches.items():
             energies = [case.energy for case in cases]
             leading = ", ".join(_range(cases, mode) for mode in sorted({case.mode for case in cases}))
-            lines.append(f"branch {number}: energy {min(energies):.6g} to {max(energies):.6g}, from modes {leading}")
+            modes = "modes" if "," in leading else "mode"
+            lines.append(f"branch {number}: energy {min(energies):.6g} to {max(energies):.6g}, from {modes} {leading}")
         lines += [f"mode {c.mode}, sign {c.sign:+d}, {c.amplitude:g}: {c.status}" for c in self.cases if not c.done]
         return "\n".join(lines)
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import subprocess
 import sys
+from pathlib import Path
 from typing import Any
 
 import matplotlib
@@ -24,6 +25,12 @@ from kirigami.results.smooth import sectors, surface_stress
 def test_importing_the_plots_loads_no_matplotlib() -> None:
     program = "import sys, kirigami.plot; sys.exit('matplotlib' in sys.modules or 'shapely' in sys.modules)"
     assert subprocess.run([sys.executable, "-c", program], check=False).returncode == 0
+
+
+def test_nothing_turns_a_picture_that_is_drawn() -> None:
+    """Outlines stand a little nearer to who looks: turned afterwards, they lay beside the sheets of two studies."""
+    turning = [file.name for file in Path(kg.__file__).parent.rglob("*.py") if "view_init(" in file.read_text()]
+    assert turning == ["style.py"]
 
 
 def test_settings_of_the_session_stay_as_they_are(lifted: kg.Results) -> None:

@@ -16,6 +16,7 @@ if TYPE_CHECKING:
 
 COLORS = (style.BLUE, style.VERMILION, style.GREEN, "#cc79a7", "#e69f00", "#56b4e9")
 DRAWN = 3  # shapes drawn as pictures
+VIEW = (40.0, -60.0)
 
 
 @style.styled
@@ -57,10 +58,7 @@ def _draw_shape(study: ShapeStudy, ax: Any, place: int) -> None:
 
     results = Results(System(study.model))
     results.append(study[place].step)
-    results.plot(ax=ax, colorbar=False)
-    if study.model.dim == 3:
-        ax.set_proj_type("ortho")
-        ax.view_init(elev=40, azim=-60)
+    results.plot(ax=ax, colorbar=False, view=VIEW if study.model.dim == 3 else None)
     ax.set_axis_off()
 
 
