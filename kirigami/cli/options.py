@@ -80,7 +80,8 @@ def in_words_of_the_command(text: str) -> str:
         name = f"--{match[1].replace('_', '-')}"
         return f"{name} {shlex.quote(value)}" if match[2] else name
 
-    names = "|".join((*READING, "allow_parts", "max_edge", "grip", "thickness", "fold_stiffness", "fold_angle", "kerf"))
+    of_sheets = ("grip", "thickness", "fold_stiffness", "fold_angle", "kerf")
+    names = "|".join((*READING, "allow_parts", "max_edge", "nodes", *of_sheets))
     told = re.sub(rf"`({names})(?:=([^`]*))?`", option, text)
     for pattern, words in PYTHON:
         told = re.sub(pattern, words, told)

@@ -38,7 +38,8 @@ pascals and plain ratios. What was understood is echoed, and what looks like a s
 
 A PLACE is left, right, bottom or top (the straight edge there), rim, centre, cut:NUMBER,
 layer:NAME (marks in the drawing, which are left out of the sheet unless a role is said), or
-coordinates: 'x,y' is a point, 'x,y,radius' a disc, 'xmin,ymin,xmax,ymax' a box.
+coordinates: 'x,y' is a point, 'x,y,radius' a disc, 'xmin,ymin,xmax,ymax' a box, in metres or
+with units: '30mm,40mm'.
 
 examples:
   kirigami stretch plate.dxf --thickness 0.1mm --E 3.5GPa
@@ -219,7 +220,11 @@ def _job(options: argparse.Namespace) -> Any:
     from kirigami.study.load_case import LoadCase
 
     values: dict[str, Any] = read_case(options.drawing) if is_case(options.drawing) else {"drawing": options.drawing}
-    values |= {name: value for name in SHEET + COMPUTATION if (value := getattr(options, name)) is not None}
+    given = {name: value for name in SHEET + COMPUTATION if (value := getattr(options, name)) is not None}
+    for one, other in (("nodes", "max_edge"), ("max_edge", "nodes")):
+        if one in given:  # takes the place of the other in a case that is done again
+            values.pop(other, None)
+    values |= given
     missing = [f"--{name}" for name in ("thickness", "E") if name not in values]
     if missing:
         options.wrong_usage(f"the following arguments are required: {', '.join(missing)}")

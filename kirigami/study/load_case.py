@@ -218,6 +218,9 @@ def _pairs(given: Any, name: str, alone: str | None = None) -> list[tuple[Any, A
         return list(given.items())
     if alone is not None and (isinstance(given, (str, Place)) or hasattr(given, "geom_type")):
         return [(given, alone)]
+    wrong = f"LoadCase: {name} takes pairs of a place and a length, such as {{'centre': 0.04}}, got "
+    if isinstance(given, str):
+        raise ModelError(wrong + shown(given))
     found = []
     for item in require_items(given, name, "LoadCase"):
         pair = isinstance(item, (tuple, list)) and len(item) == 2
@@ -226,7 +229,7 @@ def _pairs(given: Any, name: str, alone: str | None = None) -> list[tuple[Any, A
         elif alone is not None:
             found.append((item, alone))
         else:
-            raise ModelError(f"LoadCase: {name} takes pairs of a place and a length, got {shown(item)}")
+            raise ModelError(wrong + shown(item))
     return found
 
 

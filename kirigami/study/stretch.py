@@ -104,7 +104,7 @@ def stretch(
     grip : float, optional
         Length of the strips that are held [length]; 0 holds the edges alone.
     nodes : int, optional
-        Budget of mesh nodes.
+        Budget of mesh nodes; None takes that of the accuracy.
     max_edge : float, optional
         Longest edge of the mesh [length], in the place of a budget.
     stiffness : str or Calibration, optional
@@ -162,6 +162,8 @@ def stretch(
     require_boolean(progress, "progress", "stretch")
     if nodes is not None:
         require_whole(nodes, "nodes", "stretch", least=1)
+        if max_edge is not None:
+            raise ModelError("stretch: give `max_edge` or a budget of `nodes`, not both")
     level = _level(accuracy)
     regional: dict[str, Any] = {name: given for name, given in (("thickness", thickness), ("material", material))
                                 if isinstance(given, Mapping)}  # fmt: skip

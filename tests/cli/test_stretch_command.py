@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -210,3 +211,25 @@ def test_a_measured_curve_is_compared(plain: None, tmp_path: Path, capsys: pytes
     file.write_text("time,load\n1,2\n")
     assert cli.main([*words[:-3], str(tmp_path / "other"), "--compare", str(file)]) == 1
     assert "test.csv" in capsys.readouterr().err and not (tmp_path / "other").exists()
+
+
+def test_one_size_of_the_mesh_takes_the_place_of_the_other(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """In a case that is done again; both at once are refused, of which one used to be left out without a word."""
+    case = kg.study.Job(PLATE, "0.1mm", "3.5GPa", nodes=300, accuracy="draft").save(tmp_path / "case.json")
+    asked: list[kg.study.Job] = []
+
+    def noted(job: kg.study.Job, **options: Any) -> kg.study.Report:
+        asked.append(job)
+        raise kg.ModelError("enough")
+
+    with monkeypatch.context() as patched:
+        patched.setattr(kg.study.Job, "run", noted)
+        for words in ([], ["--max-edge", "15mm"], ["--nodes", "400"]):
+            assert cli.main(["stretch", str(case), *words, "--folder", str(tmp_path / "out")]) == 1
+    assert [(job.nodes, job.max_edge) for job in asked] == [(300, None), (None, 0.015), (400, None)]
+    capsys.readouterr()
+    words = ["stretch", PLATE, *SHEET, "--nodes", "300", "--quiet", "--folder", str(tmp_path / "out")]
+    assert cli.main(words) == 1
+    assert capsys.readouterr().err.endswith("kirigami: give --max-edge or a budget of --nodes, not both\n")
