@@ -33,7 +33,6 @@ from kirigami.system.system import System
 
 FELL = "more energy is set free than by a bend of the path"
 BALANCED = 0.1  # residual of a place over that of all else at which it has settled
-WANDERING = 30  # iterations without an equilibrium after which no place is looked at by itself
 IN_PLACE = 20  # most iterations of a place
 PUSH = 0.05  # turn of a member by which an unstable equilibrium is pushed off along its mode [rad]
 SHORTER = 0.25  # ... the next time over this time: two stable ones may lie so close that forces hardly tell them apart
@@ -170,7 +169,7 @@ class _Descent(Iterate):
     def _iterate(self) -> None:
         """One step with a positive definite tangent, and chord steps after it."""
         strategy = self.strategy
-        if self.places and self.left is None and len(self.history) <= WANDERING:  # a place would go back to a saddle
+        if self.places and self.left is None:  # a place would go back to a saddle
             self._settle_place()
             if self.relative <= self.tol:
                 return

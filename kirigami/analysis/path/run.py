@@ -136,12 +136,12 @@ class PathRun(Run):
         return correct(self.system, self.factorize_blocks, control, state, tol, MAX_ITERATIONS, count, ahead)
 
     def descend(
-        self, state: State, ahead: Ahead = None, floor: float = -np.inf, places: bool = False
+        self, state: State, ahead: Ahead = None, floor: float = -np.inf, places: bool = False, share: float = 1.0
     ) -> Attempt:
         """Run downhill from a state, at its load factor, by the means of the corrector that was chosen; not below a
-        potential of `floor`, with `places` one by one first."""
+        potential of `floor`, with `places` one by one first, in a `share` of the iterations allowed."""
         strategy, tol, count = CORRECTORS[self.settings.corrector], self.settings.tol, self.count_iteration
-        given = state, tol, MAX_RELAXATION, strategy, count, ahead, floor, places
+        given = state, tol, int(share * MAX_RELAXATION), strategy, count, ahead, floor, places
         return descend(self.system, self.factorize_blocks, *given)
 
     def tangent_at(self, attempt: Attempt) -> Tangent | None:

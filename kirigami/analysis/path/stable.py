@@ -36,6 +36,8 @@ CLOSE = 0.05  # share of the distance from the start to which a snap is brackete
 CLOSE_TO_LIMIT = 1e-3  # the same where forces drive: beyond a limit load there is no path, and it is a sharp value
 CUT = 0.4  # factor of an increment that was too long
 HALF = 0.5  # factor of an increment that a snap was found in
+FELT_OUT = 10.0  # most that increments grow at once before a place where a descent failed
+NEXT_TO = 0.1  # share of the shortest increment of a snap below which a descent starts next to where it lands
 UP_TO_LOSS = 0.9  # most of such a factor where it follows from where stability is lost
 SMOOTH = 0.5  # most that corrections may turn members, as a share of what the increment turns them
 STRAIGHT = 0.02  # the same where a path goes on unstable: it was predicted to second order, from close by
@@ -86,7 +88,7 @@ class StableSteps(Steps):
                 landed.drift, landed.relaxed = run.system.largest_rotation(landed.state.u - guess.u), True
             else:
                 floor = least_potential(run, before, increment) if self.buckled and not short else -np.inf
-                landed = self._downhill(before, guess, attempt, tangent, increment, turn, floor)
+                landed = self._downhill(before, guess, attempt, tangent, increment, turn, floor, least)
             if landed.reason == FELL:
                 increment = self._bracket(before, increment, least)
                 del attempt, tangent, landed  # and their factors with them
@@ -170,6 +172,7 @@ class StableSteps(Steps):
         increment: float,
         turn: float,
         floor: float,
+        least: float,
     ) -> Attempt:
         """A descent at the end of the increment; it tells which unstable equilibrium it left, if any."""
         run, system = self.run, self.run.system
@@ -188,7 +191,9 @@ class StableSteps(Steps):
             linear = before.state.u, start.u - before.state.u
         if (blocked := run.blocked(before, start)) is not None:
             return blocked
-        landed = run.descend(start, linear, floor, places=self.buckled)  # a flat sheet takes its side as a whole
+        next_to = self.buckled and abs(increment) < NEXT_TO * least
+        # A flat sheet takes its side as a whole.
+        landed = run.descend(start, linear, floor, places=self.buckled, share=0.5 if next_to else 1.0)
         landed.iterations += 1
         landed.drift = system.largest_rotation(landed.state.u - guess.u)
         landed.relaxed = True
@@ -219,8 +224,9 @@ class StableSteps(Steps):
         distance = abs(after.state.lam - increments.leg)
         if attempt.relaxed:
             self.rate = None
-            # Beyond a snap the way is free again; where a descent failed it is felt out from short increments.
-            far = 0.0 if self._troubled(after.state.lam, increment) else SHARE * distance / abs(increment)
+            # Beyond a snap the way is free again; before a place where a descent failed it is felt out.
+            far = SHARE * distance / abs(increment)
+            far = min(far, FELT_OUT) if self._troubled(after.state.lam, increment) else far
             increments.resize(increment, max(2.0, far))
         else:
             self.rate, self.rate_lam = before.tangent.rate, before.state.lam
