@@ -18,7 +18,7 @@ from kirigami.analysis.path.descent import CORRECTORS
 from kirigami.analysis.path.increments import Increments
 from kirigami.analysis.path.points import Attempt, Point, State, Tangent
 from kirigami.analysis.path.run import PathRun
-from kirigami.analysis.path.stable import StableSteps
+from kirigami.analysis.path.stable import MOST_FAILURES, StableSteps
 
 
 def slit_sheet(imperfection: float, dim: int = 3) -> kg.Model:
@@ -182,3 +182,22 @@ def test_beyond_a_failed_descent_increments_grow_gently() -> None:
     assert run.increments.size == pytest.approx(1e-4)
     steps.settle(here, there, landed, 1e-5)
     assert run.increments.size > 0.1
+
+
+def test_descents_that_fail_again_and_again_end_in_an_error(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Not at the smallest increment alone, which may take as many descents anew from each landing on this side."""
+    descents = []
+
+    def fails(run: PathRun, attempt: Attempt) -> Tangent | None:
+        tangent = real(run, attempt)
+        blocked = attempt.state.lam > 0.5 + 1e-6 * len(descents)  # a little further each time, and no end of it
+        descents.extend([attempt] * blocked)
+        return None if blocked else tangent
+
+    real = PathRun.tangent_at
+    monkeypatch.setattr(PathRun, "tangent_at", fails)
+    with pytest.raises(kg.ConvergenceError) as failed:
+        strained(0.02).run()
+    results = failed.value.results
+    assert results is not None and results.lam[-1] > 0.5
+    assert results.stats["cutbacks"] <= 3 * MOST_FAILURES  # some of them are made before a descent

@@ -37,6 +37,11 @@ def slit_sheet(
     return m
 
 
+def energies(results: kg.Results) -> np.ndarray:
+    """Elastic energy at each point."""
+    return np.sum(list(results.energy.values()), axis=0)[[results.nearest(point) for point in POINTS]]
+
+
 def shapes(results: kg.Results, points: list[float] = POINTS) -> np.ndarray:
     """Displacements at the load factors `points`, each met exactly once."""
     steps = [np.flatnonzero(results.lam == point) for point in points]
@@ -149,11 +154,16 @@ def landing() -> Iterator[ModuleType]:
 
 
 @pytest.mark.long
-@pytest.mark.parametrize("sheet", ["ribbon 0", "cells", "staggered", "parallel"])
-def test_benchmark_sheets_land_where_a_slow_pull_does(landing: ModuleType, sheet: str) -> None:
-    """At most 1,000 nodes. On the ribbon of the README the other correctors end in shapes of 32 % less energy."""
+@pytest.mark.parametrize("sheet, settled", [("ribbon 0", 3), ("cells", 3), ("staggered", 3), ("parallel", 2)])
+def test_benchmark_sheets_land_where_a_slow_pull_does(landing: ModuleType, sheet: str, settled: int) -> None:
+    """At most 1,000 nodes. On the ribbon of the README the other correctors end in shapes of 32 % less energy.
+
+    At the end of the pull of parallel slits shapes whose energies differ by a millionth lie 5 % apart, and how long the
+    increments are decides between them: there the energy alone has to be the same.
+    """
     found, reference = (
         kg.DisplacementControl(landing.SHEETS[sheet](), targets=POINTS, corrector=corrector).run()
         for corrector in ("path", "slow")
     )
-    assert_same(shapes(found), shapes(reference), 0.02)
+    assert_same(shapes(found)[:settled], shapes(reference)[:settled], 0.02)
+    assert energies(found) == pytest.approx(energies(reference), rel=1e-4 if settled == len(POINTS) else 1e-5)

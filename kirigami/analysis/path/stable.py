@@ -36,6 +36,7 @@ CLOSE = 0.05  # share of the distance from the start to which a snap is brackete
 CLOSE_TO_LIMIT = 1e-3  # the same where forces drive: beyond a limit load there is no path, and it is a sharp value
 CUT = 0.4  # factor of an increment that was too long
 HALF = 0.5  # factor of an increment that a snap was found in
+MOST_FAILURES = 20  # descents that may fail before a place is passed
 FELT_OUT = 10.0  # most that increments grow at once before a place where a descent failed
 NEXT_TO = 0.1  # share of the shortest increment of a snap below which a descent starts next to where it lands
 UP_TO_LOSS = 0.9  # most of such a factor where it follows from where stability is lost
@@ -56,7 +57,8 @@ class StableSteps(Steps):
     rate: Array | None = None  # change of the unknowns with the load factor at the last but one point of a smooth path
     rate_lam = 0.0  # its load factor
     snap: float | None = None  # load factor before which a snap is known to lie ahead
-    trouble: float | None = None  # load factor at which no equilibrium was found
+    trouble: float | None = None  # load factor ahead at which no equilibrium was found
+    failures = 0  # descents that failed since it was met
     loss: float | None = None  # load factor at which the flat sheet seems to lose its stability
 
     def advance(self, before: Point, increment: float) -> tuple[Point, Attempt, float]:
@@ -238,7 +240,10 @@ class StableSteps(Steps):
         self._hold_back(after.state.lam, float(np.sign(increment)), max(CLOSE * distance, increments.smallest))
 
     def cut(self, before: Point, attempt: Attempt, increment: float) -> float:
+        self.failures = 1 if self.trouble is None else self.failures + 1
         self.trouble = before.state.lam + increment
+        if self.failures > MOST_FAILURES:
+            raise self.run.failure(attempt, increment)
         return super().cut(before, attempt, increment)
 
     def _troubled(self, lam: float, increment: float) -> bool:
@@ -263,4 +268,4 @@ class StableSteps(Steps):
         own: dict[str, Any] = {} if self.rate is None else {"rate": self.rate, "rate_lam": self.rate_lam}
         places = {"snap": self.snap, "loss": self.loss, "trouble": self.trouble}
         own |= {name: place for name, place in places.items() if place is not None}
-        return {**super().memory, "buckled": self.buckled, **own}
+        return {**super().memory, "buckled": self.buckled, "failures": self.failures, **own}
