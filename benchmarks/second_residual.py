@@ -47,7 +47,8 @@ def residuals(m: kg.Model, results: kg.Results) -> list[float]:
         parts = [(ends, np.stack([-pull, pull], axis=1))]
         points = (rest + step.u)[corners]
         angle = _unwrapped(_angle(points), angle)
-        parts.append((corners, (rigidity * (angle - rest_angle))[:, None, None] * _angle_gradient(points)))
+        turning = _angle_gradient(points)
+        parts.append((corners, (rigidity * (angle - rest_angle))[:, None, None] * turning))
         if len(clamps):
             # the mirror image of the facet stands still next to an edge that moves without turning
             points = _with_mirror_image(rest[clamps], step.u[clamps])
@@ -59,7 +60,10 @@ def residuals(m: kg.Model, results: kg.Results) -> list[float]:
             np.add.at(force, nodes, gradient)
             squares += float((gradient**2).sum())
         unbalanced = float(np.linalg.norm(force[free]))
-        rounding = 2e-15 * float(np.linalg.norm(EA))  # a strain that rounding alone may leave
+        # What rounding alone may leave: a strain, and an angle whose corners are places as large as the sheet.
+        blur = np.finfo(float).eps * np.abs(rest).max()
+        rounding = 2e-15 * float(np.linalg.norm(EA))
+        rounding += blur * float(np.linalg.norm(rigidity * (turning**2).sum(axis=(1, 2))))
         found.append(unbalanced / np.sqrt(squares) if unbalanced > rounding else 0.0)
     return found
 
