@@ -293,7 +293,7 @@ def accuracy(
         table = Sweep(run, designs, path).run(alone, progress=progress)
     rows = [dict(row) for row in table]
     if len(table.failed) == len(rows):
-        raise AnalysisError(f"accuracy: all {len(rows)} runs failed, the first one by {rows[0]['error']}")
+        raise AnalysisError(f"accuracy: no run of {len(rows)} went well, the first one failed by {rows[0]['error']}")
     if given is not None:
         return AccuracyStudy(table, load_factors, given, _shapes(_finest(rows), targets), alike)
     judges = [rows[designs.index(design)] for design in finer]
