@@ -131,9 +131,14 @@ def stretch(seed: int, small: bool, corrector: str = "path", stiffness: str = "p
     return row
 
 
+def is_severed(row: dict[str, Any]) -> bool:
+    """Whether the cuts sever the sheet into pieces that are more than scrap, which falls out."""
+    return str(row.get("apart", int(row["parts"]) > 1)) == "True"
+
+
 def as_expected(row: dict[str, Any]) -> bool:
     """A sheet that falls apart ends in a GeometryError, any other one at the last load factor."""
-    if str(row.get("apart", int(row["parts"]) > 1)) == "True":
+    if is_severed(row):
         return bool(row["outcome"] == "typed error" and row["error"] == "GeometryError")
     return bool(row["outcome"] == "reached")
 
@@ -250,8 +255,9 @@ def survey(
 def summary(rows: list[dict[str, Any]]) -> str:
     """The figures that count."""
     count = Counter(row["outcome"] for row in rows)
-    connected = [row for row in rows if int(row["parts"]) == 1]
-    severed = [row for row in rows if int(row["parts"]) > 1]
+    severed = [row for row in rows if is_severed(row)]
+    connected = [row for row in rows if not is_severed(row)]
+    scrap = sum(int(row["parts"]) > 1 for row in connected)
     reached = sum(map(as_expected, connected))
     nodes = [int(row["nodes"]) for row in rows if row.get("nodes")]
     seconds = [float(row["seconds"]) for row in connected]
@@ -262,7 +268,8 @@ def summary(rows: list[dict[str, Any]]) -> str:
         f"crashes {count['crash']}, hangs {count['hang']}, stored steps above tolerance {count['wrong step']} "
         f"(worst residual {worst:.2e})",
         f"seconds a connected sheet: median {np.median(seconds or [0]):.1f}, largest {max(seconds, default=0):.0f}",
-        f"connected: {reached} of {len(connected)} reached the end ({100 * reached / max(len(connected), 1):.1f} %)",
+        f"connected: {reached} of {len(connected)} reached the end ({100 * reached / max(len(connected), 1):.1f} %), "
+        f"{scrap} of them without scrap that falls out",
         f"severed: {sum(map(as_expected, severed))} of {len(severed)} were refused with a GeometryError",
     ]
     for kind in KINDS:
