@@ -184,6 +184,20 @@ def test_beyond_a_failed_descent_increments_grow_gently() -> None:
     assert run.increments.size > 0.1
 
 
+def test_failures_are_counted_place_by_place() -> None:
+    """Once the path moves on they count no more: a long run may meet many places."""
+    run = PathRun(strained(0.02))
+    steps = StableSteps(run)
+    run.increments = Increments(1e-3, 1.0, 1e-7, [1.0])
+    tangent = Tangent(None, np.zeros(run.system.free))
+    points = [Point(State(np.zeros(run.system.free), lam, run.system.rest), tangent, None) for lam in (0.1, 0.3)]
+    smooth = Attempt(points[1].state, True, 0.0, 3, drift=0.01)
+    for _ in range(2 * MOST_FAILURES):
+        steps.cut(points[0], smooth, 0.1)
+        steps.settle(*points, smooth, 0.2)
+    assert steps.failures == 0 and steps.trouble is None
+
+
 def test_descents_that_fail_again_and_again_end_in_an_error(monkeypatch: pytest.MonkeyPatch) -> None:
     """Not at the smallest increment alone, which may take as many descents anew from each landing on this side."""
     descents = []

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from kirigami.results.results import Results
 
 KIND_COLORS = {"bars": style.BLUE, "hinges": style.VERMILION, "springs": style.GREEN}
-OTHER_COLORS = ("#cc79a7", "#e69f00", "#56b4e9", style.GREY)
+OTHER_COLORS = (*style.CURVES[3:], style.GREY)
 
 
 @style.styled

@@ -30,6 +30,7 @@ BLUE = "#0072b2"
 VERMILION = "#d55e00"
 GREEN = "#009e73"
 CURVES = (BLUE, VERMILION, GREEN, "#cc79a7", "#e69f00", "#56b4e9")
+VIEW = (40.0, -60.0)  # elevation and azimuth of small shapes side by side [degrees]
 
 SETTINGS: Any = {
     "font.size": 9.0,

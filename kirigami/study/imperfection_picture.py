@@ -17,8 +17,6 @@ if TYPE_CHECKING:
     from kirigami.study.imperfections import ImperfectionStudy
 
 MOST = 6  # final shapes drawn
-VIEW = (40.0, -60.0)
-COLORS = (style.BLUE, style.VERMILION, style.GREEN, "#cc79a7", "#e69f00", "#56b4e9")
 
 
 @style.styled
@@ -53,7 +51,7 @@ def draw_study(study: ImperfectionStudy) -> Figure:
 
 
 def _color(number: int) -> str:
-    return COLORS[(number - 1) % len(COLORS)]
+    return style.CURVES[(number - 1) % len(style.CURVES)]
 
 
 def _draw_shape(study: ImperfectionStudy, ax: Any, number: int, largest: float) -> None:
@@ -63,7 +61,7 @@ def _draw_shape(study: ImperfectionStudy, ax: Any, number: int, largest: float) 
         field, points = Field(results, None, smooth=True), results.position()[-1]
         picture = Picture(results, ax, field, cmap=style.diverging_map(), fine=True)
         picture.scale_colors(np.array([-largest, largest]))
-        frame(ax, points, VIEW)
+        frame(ax, points, style.VIEW)
         picture.update(points, field.at(len(results) - 1))
     else:
         results.plot(ax=ax, colorbar=False)

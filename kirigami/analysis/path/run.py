@@ -19,6 +19,7 @@ from kirigami.analysis.path.tracking import CHORDS
 from kirigami.errors import ConvergenceError
 from kirigami.linalg import Factor, NearbyFactor, SingularMatrixError
 from kirigami.primitives.kernel import Ahead, Array
+from kirigami.words import percent
 
 MAX_ITERATIONS = 14
 MAX_RELAXATION = 120
@@ -250,9 +251,9 @@ class PathRun(Run):
             return "past a limit point no equilibrium exists at a higher load: use DisplacementControl or ArcLength"
         if (strain := self._strain_about(worst)) > STRAINED:
             return (
-                f"there an edge has changed its length by {strain:.0%}, far more than the law of small strains means: "
-                "facets collapse, where the material would tear. Pull less far, or draw the ligament wider or without "
-                "it; the results so far are in error.results"
+                f"there an edge has changed its length by {percent(strain)}, far more than the law of small strains "
+                "means: facets collapse, where the material would tear. Pull less far, or draw the ligament wider or "
+                "without it; the results so far are in error.results"
             )
         return (
             "a larger imperfection (Model.perturb), a smaller step, or ArcLength where the path turns back; "

@@ -36,7 +36,7 @@ CLOSE = 0.05  # share of the distance from the start to which a snap is brackete
 CLOSE_TO_LIMIT = 1e-3  # the same where forces drive: beyond a limit load there is no path, and it is a sharp value
 CUT = 0.4  # factor of an increment that was too long
 HALF = 0.5  # factor of an increment that a snap was found in
-MOST_FAILURES = 20  # descents that may fail before a place is passed
+MOST_FAILURES = 20  # descents that may fail while the path moves on by short increments alone
 FELT_OUT = 10.0  # most that increments grow at once before a place where a descent failed
 NEXT_TO = 0.1  # share of the shortest increment of a snap below which a descent starts next to where it lands
 UP_TO_LOSS = 0.9  # most of such a factor where it follows from where stability is lost
@@ -58,7 +58,7 @@ class StableSteps(Steps):
     rate_lam = 0.0  # its load factor
     snap: float | None = None  # load factor before which a snap is known to lie ahead
     trouble: float | None = None  # load factor ahead at which no equilibrium was found
-    failures = 0  # descents that failed since it was met
+    failures = 0  # descents that failed since an increment was last longer than the shortest of a snap
     loss: float | None = None  # load factor at which the flat sheet seems to lose its stability
 
     def advance(self, before: Point, increment: float) -> tuple[Point, Attempt, float]:
@@ -224,12 +224,16 @@ class StableSteps(Steps):
     def settle(self, before: Point, after: Point, attempt: Attempt, increment: float) -> None:
         increments = self.run.increments
         distance = abs(after.state.lam - increments.leg)
+        short = max(CLOSE * distance, increments.smallest)
+        if abs(increment) >= short:
+            self.failures = 0
+        if self.trouble is not None and (self.trouble - after.state.lam) * increment <= 0:
+            self.trouble = None  # passed
         if attempt.relaxed:
             self.rate = None
             # Beyond a snap the way is free again; before a place where a descent failed it is felt out.
             far = SHARE * distance / abs(increment)
-            far = min(far, FELT_OUT) if self._troubled(after.state.lam, increment) else far
-            increments.resize(increment, max(2.0, far))
+            increments.resize(increment, max(2.0, far if self.trouble is None else min(far, FELT_OUT)))
         else:
             self.rate, self.rate_lam = before.tangent.rate, before.state.lam
             increments.resize(increment, float(np.clip((WANTED / max(attempt.drift, 1e-9)) ** 0.5, 0.5, 2.0)))
@@ -237,20 +241,14 @@ class StableSteps(Steps):
         share = 1.0 if straight else SHARE  # as before the first buckle
         least = increments.smallest if self.buckled else increments.first
         increments.size = min(increments.size, max(share * distance, least))
-        self._hold_back(after.state.lam, float(np.sign(increment)), max(CLOSE * distance, increments.smallest))
+        self._hold_back(after.state.lam, float(np.sign(increment)), short)
 
     def cut(self, before: Point, attempt: Attempt, increment: float) -> float:
-        self.failures = 1 if self.trouble is None else self.failures + 1
+        self.failures += 1
         self.trouble = before.state.lam + increment
         if self.failures > MOST_FAILURES:
             raise self.run.failure(attempt, increment)
         return super().cut(before, attempt, increment)
-
-    def _troubled(self, lam: float, increment: float) -> bool:
-        """Whether the place where a descent failed lies ahead."""
-        if self.trouble is not None and (self.trouble - lam) * increment <= 0:
-            self.trouble = None
-        return self.trouble is not None
 
     def _hold_back(self, lam: float, sense: float, short: float) -> None:
         """Shorten the next increment, down to `short`, before a snap or a loss of stability known to lie ahead."""

@@ -14,9 +14,7 @@ if TYPE_CHECKING:
 
     from kirigami.study.shape.study import ShapeStudy
 
-COLORS = (style.BLUE, style.VERMILION, style.GREEN, "#cc79a7", "#e69f00", "#56b4e9")
 DRAWN = 3  # shapes drawn as pictures
-VIEW = (40.0, -60.0)
 
 
 @style.styled
@@ -49,7 +47,7 @@ def draw_shapes(study: ShapeStudy) -> Figure:
 
 
 def _color(number: int) -> str:
-    return COLORS[(number - 1) % len(COLORS)]
+    return style.CURVES[(number - 1) % len(style.CURVES)]
 
 
 def _draw_shape(study: ShapeStudy, ax: Any, place: int) -> None:
@@ -58,7 +56,7 @@ def _draw_shape(study: ShapeStudy, ax: Any, place: int) -> None:
 
     results = Results(System(study.model))
     results.append(study[place].step)
-    results.plot(ax=ax, colorbar=False, view=VIEW if study.model.dim == 3 else None)
+    results.plot(ax=ax, colorbar=False, view=style.VIEW if study.model.dim == 3 else None)
     ax.set_axis_off()
 
 
